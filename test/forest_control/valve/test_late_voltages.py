@@ -36,7 +36,7 @@ def test_the_driver_knows_where_a_voltage_that_was_in_force_for_long_has_brought
     place = spool(place, volts[0], 4.0 * PERIOD)
     state, _ = valve_driver.step(state, BACK, UNSEEN, STILL, P, 4.0 * PERIOD)
     assert place < -3.0 * EDGE  # across the overlap in one period, and far beyond it in four
-    assert state.spools.positions[0] == pytest.approx(place, abs=1e-9)
+    assert state.spools[0] == pytest.approx(place, abs=1e-9)
 
 
 def test_a_turn_in_time_crosses_the_overlap_in_one_period():

@@ -231,6 +231,4 @@ def test_before_any_voltage_the_spools_are_centred(joint, sign):
         NO_TRACKING_LIMIT, volts, RATED, slow(2.0), (0.0,) * 3, (0.0,) * 3, (0.0,) * 3, 0.05
     )
     there = sign * 10.0 * (1.0 - math.exp(-2.0 * math.pi * 2.0 * 0.05))
-    assert tracking_limits.spools.positions == pytest.approx(
-        tuple(there if i == joint else 0.0 for i in range(3))
-    )
+    assert tracking_limits.spools == pytest.approx(tuple(there if i == joint else 0.0 for i in range(3)))

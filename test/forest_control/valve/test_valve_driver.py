@@ -311,7 +311,8 @@ def test_the_slew_limit_bounds_every_change_and_none_is_the_default():
 
 
 def test_dither_swings_about_the_voltage_and_leaves_a_shut_valve_alone():
-    p, state, seen = parameters(dither_amplitude=0.2, dither_frequency=25.0), REST, []
+    p, state, seen = parameters(dither_frequency=25.0), REST, []
+    p = p._replace(axes=tuple(axis._replace(dither=0.2) for axis in p.axes))
     for _ in range(200):
         state, volts = valve_driver.step(state, (5.0, 0.0, 0.0), UNSEEN, STILL, p, PERIOD)
         assert volts[1:] == (0.0, 0.0)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from forest_control.valve import valve_driver, valve_driver_parameters
-from forest_control.valve.spool_model import SpoolLaw, Spools
+from forest_control.valve.spool_model import SpoolLaw
 from forest_control.valve.valve_adaptation import NO_ESTIMATE
 from forest_control.valve.valve_driver import REST, STILL, UNSEEN, Motion, Pressures
 from forest_control.valve.valve_driver_parameters import Settings
@@ -132,8 +132,7 @@ def test_a_driver_that_begins_has_given_moved_and_borne_nothing():
     for three in (
         REST.loads,
         REST.means,
-        REST.spools.positions,
-        REST.spools.targets,
+        REST.spools,
         REST.strokes,
         REST.voltages,
     ):
@@ -144,10 +143,10 @@ def test_a_driver_that_begins_has_given_moved_and_borne_nothing():
 
 def test_where_the_spools_are_and_were_on_average_follows_from_the_voltages_in_force():
     before, volts = (1.0, -2.0, 3.0), (4.0, 5.0, -6.0)
-    state = REST._replace(spools=Spools(before, volts), voltages=volts)
+    state = REST._replace(spools=before, voltages=volts)
     state, _ = valve_driver.step(state, ZERO, UNSEEN, STILL, parameters(), 0.01)
     after = [v + math.exp(-0.01 / LAG) * (y - v) for y, v in zip(before, volts, strict=True)]
-    assert state.spools.positions == pytest.approx(after)
+    assert state.spools == pytest.approx(after)
     assert state.strokes == pytest.approx([0.5 * (a + b) for a, b in zip(before, after, strict=True)])
 
 
@@ -198,7 +197,8 @@ def test_each_way_has_its_own_rating(axis):
 
 @every_axis
 def test_dither_swings_at_its_frequency_and_stays_within_the_rating_of_its_way(axis):
-    p = lopsided(axis, compensate=False, dither_amplitude=0.5, dither_frequency=20.0)
+    p = lopsided(axis, compensate=False, dither_frequency=20.0)
+    p = p._replace(axes=tuple(a._replace(dither=0.5) for a in p.axes))
     state, swings = REST, []
     for _ in range(100):
         state, volts = valve_driver.step(state, on_axis(axis, 4.0), UNSEEN, STILL, p, PERIOD)
@@ -298,7 +298,7 @@ def test_leakage_opens_a_valve_from_what_is_worth_it_on_and_keeps_it_open_at_thr
             sign * share * worth,
             sign * share * worth,
             holds=(hold, SHUT, SHUT),
-            spools=Spools(volts, volts),
+            spools=volts,
             voltages=volts,
         )
         assert (kept != 0.0) == stays, (share, way)
@@ -358,7 +358,7 @@ def test_an_overlap_is_crossed_by_the_edge_of_its_own_way(axis, sign):
     p = lopsided(axis)._replace(beyond_valve=True)
     p = p._replace(axes=tuple(a._replace(spool=SpoolLaw(LAG)) for a in p.axes))
     spools = on_axis(axis, sign * 0.7)
-    state = REST._replace(spools=Spools(spools, spools), voltages=spools, ahead=PERIOD)
+    state = REST._replace(spools=spools, voltages=spools, ahead=PERIOD)
     command = on_axis(axis, sign * 0.5)
     volts = valve_driver.step(state, command, UNSEEN, STILL, p, PERIOD)[1][axis]
     target = valve_driver.step(REST, command, UNSEEN, STILL, lopsided(axis), PERIOD)[1][axis]
@@ -373,7 +373,7 @@ def test_an_edge_nearer_than_a_volt_ends_the_lead_too(axis):
     law = law._replace(forward=law.forward._replace(deadband_voltage=0.3))
     p = p._replace(axes=tuple(a._replace(valve=law, spool=SpoolLaw(LAG)) for a in p.axes))
     spools = on_axis(axis, 0.4)
-    state = REST._replace(spools=Spools(spools, spools), voltages=spools, ahead=PERIOD)
+    state = REST._replace(spools=spools, voltages=spools, ahead=PERIOD)
     volts = valve_driver.step(state, on_axis(axis, 0.25), UNSEEN, STILL, p, PERIOD)[1][axis]
     assert 0.4 < volts < 0.8
 

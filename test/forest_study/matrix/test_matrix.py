@@ -10,11 +10,12 @@ pytest.importorskip("llvmlite")
 
 from forest_description.machine import load_machine
 from forest_msgs_py.types import PERIOD
+from forest_sim.equations.plant_parameters import plant_parameters
 from forest_study import cli
 from forest_study.closed_loop import model_mismatch
 from forest_study.matrix import matrix_report, matrix_runs
 from forest_study.matrix.matrix_report import summary, table, told
-from forest_study.matrix.matrix_rows import matrix_rows
+from forest_study.matrix.matrix_rows import FACTORS, apart, matrix_rows
 from forest_study.matrix.matrix_runs import Figures, Outcome, run_row
 
 REAL, ROWS = load_machine("c180_real"), matrix_rows()
@@ -53,7 +54,32 @@ def test_what_a_row_adds_leaves_the_rest_of_a_seeds_plant():
 
 def test_the_exact_row_is_the_machine_itself():
     plant = matrix_runs._plant(ROWS["exact"], REAL, 5)
-    assert (plant.parameters, plant.every, plant.told) == (None, 1, {})
+    assert (plant.parameters, plant.sensed) == (plant_parameters(REAL), REAL)
+    assert (plant.every, plant.steps, plant.dead_time) == (1, 0.0, REAL.valve.dead_time)
+
+
+def differing(row):
+    """Return which of a seed's values differ from the file's, of seed 6."""
+    filed, drawn = (matrix_runs._plant(of, REAL, 6).told for of in (ROWS["exact"], row))
+    return {name for name, value in drawn.items() if value != filed[name]}
+
+
+def test_one_factor_alone_and_all_but_one_leave_a_seeds_other_values():
+    whole = matrix_runs._plant(ROWS["both"], REAL, 6).told
+    own = {"gain": {"gains"}, "stiffness": {"hoses", "modulus"}, "joystick": {"joystick_hz"}}
+    for only, without in zip(*(apart(ROWS["both"], *f) for f in ((own, ()), ((), own))), strict=True):
+        name = only.name.removeprefix("both, only ")
+        assert without.name == f"both, without {name}"
+        assert differing(only) == own[name]
+        assert differing(without) == differing(ROWS["both"]) - own[name]
+        alone = matrix_runs._plant(only, REAL, 6).told
+        assert all(alone[value] == whole[value] for value in own[name])
+
+
+def test_every_factor_is_drawn_in_the_row_that_has_all():
+    for name, row in zip(FACTORS, apart(ROWS["both"], FACTORS, ()), strict=True):
+        assert differing(row) or name == "sensors"  # seed 6 has the file's 50 Hz
+    assert apart(ROWS["both"], (), ()) == [ROWS["both"]]
 
 
 def test_the_slow_paths_and_inches_are_as_long_as_the_rows_say():

@@ -20,7 +20,6 @@ voltage there is, and waiting would not help.
 import math
 from typing import NamedTuple
 
-from forest_control.valve.spool_model import CENTRED, Spools
 from forest_control.valve.valve_adaptation import DirectionEstimate, ValveEstimate, gain
 from forest_control.valve.valve_driver_parameters import Axes, AxisDriver, moved_spools
 from forest_description.components.valve_characteristic import Direction
@@ -60,7 +59,7 @@ class TrackingLimits(NamedTuple):
     swing: TrackingLimit = TrackingLimit()
     boom: TrackingLimit = TrackingLimit()
     stick: TrackingLimit = TrackingLimit()
-    spools: Spools = CENTRED
+    spools: Vec3 = (0.0, 0.0, 0.0)  # [V]
 
 
 class Valves(NamedTuple):
@@ -132,7 +131,7 @@ def updated_limits(
         dt: [s].
     """
     spools = moved_spools(limits.spools, voltages, axes, dt)
-    wide = open_wide(spools.positions, rated)
+    wide = open_wide(spools, rated)
     return TrackingLimits(
         _updated(limits.swing, wide[0], a[0], e[0], v[0], dt),
         _updated(limits.boom, wide[1], a[1], e[1], v[1], dt),

@@ -22,7 +22,7 @@ gain are those that `valve_adaptation` has estimated.
 import math
 from typing import NamedTuple
 
-from forest_control.valve.spool_model import CENTRED, Spools, before_play, left
+from forest_control.valve.spool_model import left
 from forest_control.valve.valve_adaptation import (
     NO_ESTIMATE,
     ValveEstimate,
@@ -60,7 +60,7 @@ class State(NamedTuple):
     loads: Vec3  # low-passed [N m, N, N]
     primed: bool  # the first pressures have arrived
     means: Vec3 = (0.0, 0.0, 0.0)  # (P_1 + P_2 A_2/A_1)/2 [Pa], low-passed more quickly
-    spools: Spools = CENTRED  # where they should have been when the voltages were given
+    spools: Vec3 = (0.0, 0.0, 0.0)  # [V] where they should have been when the voltages were given
     strokes: Vec3 = (0.0, 0.0, 0.0)  # [V] where they were on average since the last step
     holds: Holds = (SHUT, SHUT, SHUT)
     voltages: Vec3 = (0.0, 0.0, 0.0)  # [V] given last, without dither
@@ -138,11 +138,11 @@ def step(
         saturated=(swing.saturated, boom.saturated, stick.saturated),
         phase=phase,
     )
-    dither = p.dither_amplitude * math.sin(2.0 * math.pi * phase)
+    wave = math.sin(2.0 * math.pi * phase)
     return after, (
-        _dithered(swing.voltage, dither, p.axes[0]),
-        _dithered(boom.voltage, dither, p.axes[1]),
-        _dithered(stick.voltage, dither, p.axes[2]),
+        _dithered(swing.voltage, wave, p.axes[0]),
+        _dithered(boom.voltage, wave, p.axes[1]),
+        _dithered(stick.voltage, wave, p.axes[2]),
     )
 
 
@@ -153,10 +153,14 @@ def _moved_on(state: State, p: Parameters, dt: float) -> State:
     time counts, and is forgotten with `FORGOTTEN`.
     """
     spools = moved_spools(state.spools, state.voltages, p.axes, dt)
-    before, after = state.spools.positions, spools.positions
+    before = state.spools
     return state._replace(
         spools=spools,
-        strokes=(0.5 * (before[0] + after[0]), 0.5 * (before[1] + after[1]), 0.5 * (before[2] + after[2])),
+        strokes=(
+            0.5 * (before[0] + spools[0]),
+            0.5 * (before[1] + spools[1]),
+            0.5 * (before[2] + spools[2]),
+        ),
         ahead=max(dt, dt + math.exp(-dt / FORGOTTEN) * (state.ahead - dt)),
     )
 
@@ -173,7 +177,7 @@ def _axis(
     dt: float,
 ) -> AxisMemory:
     """Return one axis a step on; supply and tank [Pa], position [rad; m]; measured: the pressures are."""
-    axis, spool = p.axes[i], state.spools.positions[i]
+    axis, spool = p.axes[i], state.spools[i]
     rated = axis.valve.forward.rated_voltage
     if not math.isfinite(command):
         return AxisMemory(SHUT, 0.0, False)
@@ -207,8 +211,6 @@ def _axis(
             # is there in one period; in force for longer, that voltage would open the valve wide. Outside
             # the overlap the command's lead makes up for the lag; at rest there is time.
             wanted = spool + (wanted - spool) / (1.0 - left(axis.spool.lag, max(SOONEST, state.ahead)))
-        if wanted != 0.0:
-            wanted = before_play(state.spools.targets[i], wanted, state.voltages[i], axis.spool.play)
     most = p.slew_limit * dt if dt > 0.0 or p.slew_limit < math.inf else math.inf  # not inf * 0
     slewed = max(state.voltages[i] - most, min(state.voltages[i] + most, wanted))
     voltage = max(-low, min(rated, slewed))
@@ -241,10 +243,11 @@ def _least_leakage(leaked: float, spool: float, least: float) -> float:
     return least if spool * leaked <= 0.0 else 0.75 * least
 
 
-def _dithered(voltage: float, dither: float, axis: AxisDriver) -> float:
+def _dithered(voltage: float, wave: float, axis: AxisDriver) -> float:
     if voltage == 0.0:
         return 0.0
-    return max(-axis.valve.backward.rated_voltage, min(axis.valve.forward.rated_voltage, voltage + dither))
+    added = voltage + axis.dither * wave
+    return max(-axis.valve.backward.rated_voltage, min(axis.valve.forward.rated_voltage, added))
 
 
 def plausible(pressures: Pressures, p: Parameters) -> bool:

@@ -7,7 +7,7 @@ cylinder; motor.
 import math
 from typing import Annotated, NamedTuple
 
-from forest_control.valve.spool_model import SpoolLaw, Spools, after, behind_play
+from forest_control.valve.spool_model import SpoolLaw, after
 from forest_control.valve.valve_adaptation import AdaptationParameters
 from forest_control.valve.valve_flow import FlowParameters
 from forest_description.components.load_holding import LoadHolding, RuptureValve
@@ -43,6 +43,7 @@ class AxisDriver(NamedTuple):
     slip: float = 0.0  # [rad/s per N m] speed that the motor's leakage takes under load
     least_fed: float = 0.0  # [V] leakage from which it is fed
     spool: SpoolLaw = SpoolLaw()
+    dither: float = 0.0  # [V] added by turns to every voltage that is not zero
     metering_drop: float = math.inf  # [Pa] that a compensator keeps over the edge to the pump
     fills: bool = False  # it is allowed for that its oil must be pressed first
     oil_1: Yielding = Yielding()
@@ -63,9 +64,7 @@ class Settings(NamedTuple):
     minimum_drop: Annotated[float, tunable("least share of pressure left", "", 0.01, 1.0)] = 0.1
     # Under 1000 V/s the way through the overlap costs time.
     slew_limit: Annotated[float, tunable("of every voltage; 0: none", "V/s", 0.0, 1e5)] = 0.0
-    dither_amplitude: Annotated[float, tunable("added to every voltage that is not zero", "V", 0.0, 1.0)] = (
-        0.0
-    )
+    dither: Annotated[float, tunable("amplitude, in halves of the file's hysteresis", "", 0.0, 2.0)] = 1.0
     dither_frequency: Annotated[float, tunable("of the dither", "Hz", 1.0, 100.0)] = 50.0
     adapt: Annotated[bool, tunable("learn deadband and gain of every valve and direction")] = False
     forgetting_time: Annotated[
@@ -102,7 +101,6 @@ class Parameters(NamedTuple):
     load_bandwidth: float  # [rad/s]
     minimum_drop: float
     slew_limit: float  # [V/s]; inf: none
-    dither_amplitude: float  # [V]
     dither_frequency: float  # [Hz]
     adapt: bool
     adaptation: AdaptationParameters
@@ -113,7 +111,7 @@ def parameters(machine: Machine, settings: Settings) -> Parameters:
     """Return the core's parameters for a machine."""
     line, beyond = machine.tank_line, settings.compensate and settings.beyond_valve
     return Parameters(
-        axes=axis_drivers(machine, settings.beyond_valve),
+        axes=axis_drivers(machine, settings.beyond_valve, settings.dither if settings.compensate else 0.0),
         supply_pressure=machine.pump.supply_pressure,
         idle_pressure=machine.pump.idle_pressure,
         preload=line.preload if line is not None and beyond else 0.0,
@@ -129,7 +127,6 @@ def parameters(machine: Machine, settings: Settings) -> Parameters:
         load_bandwidth=2.0 * math.pi * settings.load_bandwidth,
         minimum_drop=settings.minimum_drop,
         slew_limit=settings.slew_limit if settings.slew_limit > 0.0 else math.inf,
-        dither_amplitude=settings.dither_amplitude,
         dither_frequency=settings.dither_frequency,
         adapt=settings.compensate and settings.adapt,
         adaptation=AdaptationParameters(
@@ -139,31 +136,26 @@ def parameters(machine: Machine, settings: Settings) -> Parameters:
     )
 
 
-def axis_drivers(machine: Machine, beyond_valve: bool = True) -> Axes:
+def axis_drivers(machine: Machine, beyond_valve: bool = True, dither: float = 0.0) -> Axes:
     """Return the actuators of a machine, with the valve alone or with what lies beyond it, too."""
     speeds = rated_speeds(machine)
     return (
-        _axis_driver(machine, 0, speeds[0], beyond_valve),
-        _axis_driver(machine, 1, speeds[1], beyond_valve),
-        _axis_driver(machine, 2, speeds[2], beyond_valve),
+        _axis_driver(machine, 0, speeds[0], beyond_valve, dither),
+        _axis_driver(machine, 1, speeds[1], beyond_valve, dither),
+        _axis_driver(machine, 2, speeds[2], beyond_valve, dither),
     )
 
 
-def moved_spools(spools: Spools, voltages: Vec3, axes: Axes, dt: float) -> Spools:
-    """Return where the spools are after voltages [V] were in force for dt [s]."""
-    u_1 = behind_play(spools.targets[0], voltages[0], axes[0].spool.play)
-    u_2 = behind_play(spools.targets[1], voltages[1], axes[1].spool.play)
-    u_3 = behind_play(spools.targets[2], voltages[2], axes[2].spool.play)
-    y_1, y_2, y_3 = spools.positions
-    positions = (
-        after(y_1, u_1, axes[0].spool, dt),
-        after(y_2, u_2, axes[1].spool, dt),
-        after(y_3, u_3, axes[2].spool, dt),
+def moved_spools(spools: Vec3, voltages: Vec3, axes: Axes, dt: float) -> Vec3:
+    """Return where the spools are [V] after voltages [V] were in force for dt [s]."""
+    return (
+        after(spools[0], voltages[0], axes[0].spool, dt),
+        after(spools[1], voltages[1], axes[1].spool, dt),
+        after(spools[2], voltages[2], axes[2].spool, dt),
     )
-    return Spools(positions, (u_1, u_2, u_3))
 
 
-def _axis_driver(machine: Machine, axis: int, speed: float, beyond_valve: bool) -> AxisDriver:
+def _axis_driver(machine: Machine, axis: int, speed: float, beyond_valve: bool, dither: float) -> AxisDriver:
     one, two = displacements(machine, axis)
     driver = AxisDriver(
         one, two, speed, machine.valve_of(axis).law, metering_drop=metering_drop(machine, axis)
@@ -180,6 +172,7 @@ def _axis_driver(machine: Machine, axis: int, speed: float, beyond_valve: bool) 
         slip=_slip(machine, axis),
         least_fed=_least_fed(machine, axis),
         spool=_spool(machine, axis),
+        dither=0.5 * dither * _hysteresis(machine, axis),
         fills=axis == 0 or machine.drives[axis].chambers is not None,
         oil_1=_oil(machine, axis, 1),
         oil_2=_oil(machine, axis, 2),
@@ -217,10 +210,14 @@ def _spool(machine: Machine, axis: int) -> SpoolLaw:
     bandwidth, slew = valve.spool_bandwidth, valve.spool_slew_limit
     return SpoolLaw(
         lag=0.0 if bandwidth is None else 1.0 / (2.0 * math.pi * bandwidth),
-        # Of a spool that flow forces push, nobody knows which way it has stuck: no inverse holds.
-        play=0.0 if valve.centring_force else (valve.hysteresis or 0.0),
         slew=math.inf if slew is None else slew,
     )
+
+
+def _hysteresis(machine: Machine, axis: int) -> float:
+    """Return the hysteresis [V] that dither takes out; flow forces push a spool whatever its voltage."""
+    valve = machine.valve_of(axis)
+    return 0.0 if valve.centring_force else (valve.hysteresis or 0.0)
 
 
 def _hoses(machine: Machine, axis: int) -> tuple[float, float]:

@@ -1,5 +1,7 @@
 """Where a simulation starts: every valve shut, nothing moving, gravity held by trapped oil."""
 
+import math
+
 from forest_description.geometry.linkage import lever_arm
 from forest_description.types import Vec3
 from forest_sim.equations.drive import DriveState
@@ -13,6 +15,7 @@ from forest_sim.hydraulics.pump_drive import UNDRIVEN, PumpState
 from forest_sim.hydraulics.spool_dynamics import CENTRED
 from forest_sim.hydraulics.supply import Supply, SupplyState, asked_stroke, flow_at, pump_torque
 from forest_sim.mechanics.elasticity import ElasticLink
+from forest_sim.mechanics.gear import Gear
 from forest_sim.mechanics.pendulum import hanging_angles
 from forest_sim.solver.integrator import Events, Simulation
 
@@ -24,11 +27,12 @@ def equilibrium(angles: Vec3, p: PlantParameters) -> Simulation:
     """Return the machine at rest at the joint angles [rad], valves shut.
 
     The trapped volumes leave one pressure per cylinder free: the less loaded chamber gets `PRELOAD`
-    of the supply pressure. A gear with play stands in the middle of it, and bristles are straight.
-    Links that give way hang below their joints by what gravity bends them.
-    The swing's hoses have leaked empty, and the tank line through them. On a tilted platform the
-    swing starts to creep unless its friction sticks, and so does every axis whose valve leaks or is
-    underlapped.
+    of the supply pressure. Links that give way hang below their joints by what gravity bends them.
+    The swing's hoses have leaked empty, and the tank line through them. On a tilted platform the hose
+    under load has the weight's pressure, as in slow creep, and a gear with play bears on one flank; on
+    level ground it stands in the middle of its play. Bristles are straight.
+    From there the swing creeps unless its friction sticks, and so does every axis whose valve leaks or
+    is underlapped.
     """
     angles = float(angles[0]), float(angles[1]), float(angles[2])  # compiled kernels know no whole numbers
     head = HeadState(*hanging_angles(angles[0], p.body), 0.0, 0.0) if p.head.mass > 0.0 else HANGING_STILL
@@ -36,14 +40,12 @@ def equilibrium(angles: Vec3, p: PlantParameters) -> Simulation:
     bias, supply = _weight(links, head, p), idle_supply(p.supply)
     return Simulation(
         PlantState(
-            swing=AxisState(
-                angle=angles[0], rate=0.0, pressure_1=0.0, pressure_2=0.0, flow_1=0.0, flow_2=0.0
-            ),
+            swing=_leaning(links[0], bias[0], p.swing),
             boom=_hold(links[1], bias[1] / lever_arm(angles[1], p.boom_linkage), p.boom, p),
             stick=_hold(links[2], bias[2] / lever_arm(angles[2], p.stick_linkage), p.stick, p),
             supply=supply,
             head=head,
-            drive=DriveState(angles[0] if p.drive.gear.inertia > 0.0 else 0.0, 0.0, 0.0),
+            drive=DriveState(_motor_angle(angles[0], bias[0], p.drive.gear), 0.0, 0.0),
             pump=idle_pump(supply, p.supply),
             roots=Roots(
                 _root(angles[0], p.elastic.swing),
@@ -109,6 +111,27 @@ def idle_pump(supply: SupplyState, s: Supply) -> PumpState:
     stroke = asked_stroke(supply, s).value
     load = pump_torque(stroke, supply.pressure, s)
     return PumpState(stroke, d.speed - load / d.governor if d.inertia > 0.0 else d.speed)
+
+
+def _leaning(angle: float, torque: float, axis: Axis) -> AxisState:
+    """Return the swing at rest under a torque [N m] of its motor; the hose without load has leaked empty."""
+    return AxisState(
+        angle=angle,
+        rate=0.0,
+        pressure_1=max(0.0, torque) / axis.actuator.displacement_1,
+        pressure_2=max(0.0, -torque) / axis.actuator.displacement_2,
+        flow_1=0.0,
+        flow_2=0.0,
+    )
+
+
+def _motor_angle(angle: float, torque: float, gear: Gear) -> float:
+    """Return where the motor stands [rad] while its gear bears a torque [N m]; 0 without play."""
+    if gear.inertia == 0.0:
+        return 0.0
+    if torque == 0.0:
+        return angle
+    return angle + math.copysign(gear.teeth.upper + abs(torque) / gear.teeth.stiffness, torque)
 
 
 def _hold(angle: float, force: float, axis: Axis, p: PlantParameters) -> AxisState:

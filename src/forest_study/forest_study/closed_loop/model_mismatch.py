@@ -204,8 +204,9 @@ def _valve(valve: SpoolValve, axis: int, m: Mismatch) -> SpoolValve:
     law, lag = valve.law, valve.lag
     forward = _direction(law.forward, m.deadbands[2 * axis], m.gains[2 * axis])
     backward = _direction(law.backward, m.deadbands[2 * axis + 1], m.gains[2 * axis + 1])
-    return SpoolValve(
-        law._replace(forward=forward, backward=backward), lag._replace(frequency=m.spool * lag.frequency)
+    return valve._replace(
+        law=law._replace(forward=forward, backward=backward),
+        lag=lag._replace(frequency=m.spool * lag.frequency),
     )
 
 

@@ -6,7 +6,7 @@ from typing import Any
 from forest_compile.kernel_cache import can_compile
 from forest_description.machine import load_machine
 from forest_msgs_py.runtime.command_line import whole
-from forest_study.matrix.matrix_rows import matrix_rows
+from forest_study.matrix.matrix_rows import FACTORS, apart, matrix_rows
 from forest_study.matrix.matrix_runs import run_row
 from forest_study.results import StudyError, write_json
 
@@ -18,6 +18,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add("--seed", type=whole(0), default=0, metavar="N", help="the first (default: %(default)s)")
     add("--machine", default="c180_real", help="what is believed, and drawn from (default: %(default)s)")
     add("--row", nargs="+", choices=tuple(rows), metavar="NAME", help=f"{', '.join(rows)} (default: all)")
+    add("--only", nargs="+", choices=FACTORS, default=(), metavar="FACTOR", help="plants differ in it alone")
+    add("--without", nargs="+", choices=FACTORS, default=(), metavar="FACTOR", help="in all but this one")
     add("--adapt", action="store_true", help="the valve driver learns deadbands and gains on the way")
 
 
@@ -35,9 +37,10 @@ def run(options: argparse.Namespace) -> int:
 
     machine, rows = load_machine(options.machine), matrix_rows()
     seeds, report = range(options.seed, options.seed + options.seeds), dict[str, Any]()
-    for name in options.row or rows:
-        print(f"{name}: {rows[name].text}", flush=True)
-        report[name] = told(rows[name], run_row(rows[name], machine, seeds, options.adapt))
+    chosen = [rows[name] for name in options.row or rows]
+    for row in (each for one in chosen for each in apart(one, options.only, options.without)):
+        print(f"{row.name}: {row.text}", flush=True)
+        report[row.name] = told(row, run_row(row, machine, seeds, options.adapt))
     whole_report = {"machine": machine.name, "adapt": options.adapt, "rows": report}
     write_json(options.out / "matrix.json", whole_report)
     text = table(report)

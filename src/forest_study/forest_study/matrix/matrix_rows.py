@@ -3,9 +3,13 @@
 A seed's plant is the same in every row, but for what the row takes away or adds. Controller and driver
 believe the machine's file. Sensors sample at 200 Hz (even half of eight seeds) or 50 Hz, calibrated; the
 joystick has 8 bits and speaks at 200, 100, 50 or 20 Hz, by the seed.
+
+What differs from the file comes in factors. A row may be drawn with one factor only, or with all but one:
+a seed's values of the factors that stay are the same.
 """
 
 import math
+from collections.abc import Collection
 from typing import NamedTuple
 
 from forest_control.taught.tip_path import TipPath, polyline
@@ -17,6 +21,11 @@ HIDDEN = Ranges(
     deadband=0.2, gain=0.2, head_mass=1.0, spool=math.sqrt(2.0), stiffness=0.2, tilt=10.0, head=2000.0,
     dead_time=0.02, hysteresis=0.0, backlash=0.0, oil=80.0,
 )  # fmt: skip
+AS_FILED = Ranges(deadband=0.0, gain=0.0, head_mass=1.0, spool=1.0)
+PLANT = (
+    *("gain", "deadband", "stiffness", "spool", "dead_time", "oil", "head", "tilt", "hysteresis", "backlash"),
+)
+FACTORS = (*PLANT, "sensors", "joystick")
 HYSTERESIS, BACKLASH = 0.3, 0.2  # [V]; [deg]
 INCHES: dict[str, Vec3] = {"out": (0.02, 0.0, 0.0), "left": (0.0, 0.02, 0.0), "up": (0.0, 0.0, 0.02)}
 INCH_FROM: Vec3 = (5.9, 0.0, 0.8)  # [m]
@@ -39,10 +48,12 @@ class MatrixRow(NamedTuple):
 
     name: str
     text: str
-    ranges: Ranges | None  # None: the machine itself, its sensors and joystick at 200 Hz
+    ranges: Ranges
     paths: tuple[TipPath, ...]
     speeds: tuple[float, ...]  # [m/s], by the seed in turn
     aim: Aim
+    sensors: bool = True  # sampled at 200 or 50 Hz; else as the file says
+    joystick: bool = True  # of 8 bits at 20 to 200 Hz; else exact, at 200 Hz
 
 
 def matrix_rows() -> dict[str, MatrixRow]:
@@ -51,7 +62,9 @@ def matrix_rows() -> dict[str, MatrixRow]:
     both = HIDDEN._replace(hysteresis=HYSTERESIS, backlash=BACKLASH)
     plain, played = Aim(3.0, 8.0), Aim(5.0, 10.0)
     rows = (
-        MatrixRow("exact", "the machine as believed, 0.5 m/s", None, five, (0.5,), Aim(0.8, 3.0)),
+        drawn_from(
+            MatrixRow("exact", "the machine as believed, 0.5 m/s", HIDDEN, five, (0.5,), Aim(0.8, 3.0)), ()
+        ),
         MatrixRow("plain", "0.5 m/s, no hysteresis, no backlash", HIDDEN, five, (0.5,), plain),
         MatrixRow(
             "hysteresis",
@@ -89,6 +102,25 @@ def matrix_rows() -> dict[str, MatrixRow]:
         ),
     )
     return {row.name: row for row in rows}
+
+
+def drawn_from(row: MatrixRow, factors: Collection[str]) -> MatrixRow:
+    """Return a row whose plants differ from the file in these factors alone."""
+    own = {name: getattr(row.ranges, name) for name in PLANT if name in factors}
+    return row._replace(
+        ranges=AS_FILED._replace(**own), sensors="sensors" in factors, joystick="joystick" in factors
+    )
+
+
+def apart(row: MatrixRow, only: Collection[str], without: Collection[str]) -> list[MatrixRow]:
+    """Return a row with each factor alone, then with all but each; the row itself if none is named."""
+    alone = [_named(row, f"only {name}", (name,)) for name in only]
+    others = [_named(row, f"without {name}", {*FACTORS} - {name}) for name in without]
+    return [*alone, *others] or [row]
+
+
+def _named(row: MatrixRow, text: str, factors: Collection[str]) -> MatrixRow:
+    return drawn_from(row, factors)._replace(name=f"{row.name}, {text}", text=row.text)
 
 
 def _middle(path: TipPath) -> TipPath:

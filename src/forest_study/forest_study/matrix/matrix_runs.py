@@ -61,7 +61,7 @@ class _Plant(NamedTuple):
     """What a seed has of its own."""
 
     sensed: Machine  # for its sensors' rate
-    parameters: PlantParameters | None
+    parameters: PlantParameters
     every: int
     steps: float
     dead_time: float  # [s]
@@ -100,15 +100,20 @@ def run_row(row: MatrixRow, machine: Machine, seeds: Sequence[int], adapt: bool 
 
 
 def _plant(row: MatrixRow, machine: Machine, seed: int) -> _Plant:
-    if row.ranges is None:
-        own = machine.valve.dead_time or 0.0
-        return _Plant(machine, None, 1, 0.0, own, {})
     off = model_mismatch.draw(seed, row.ranges)
-    every, rate = JOYSTICKS[seed % 4], RATES[seed // 4 % 2]
+    every = JOYSTICKS[seed % 4] if row.joystick else 1
+    rate = RATES[seed // 4 % 2] if row.sensors else machine.sensors.sample_rate
     sensed = dataclasses.replace(machine, sensors=dataclasses.replace(machine.sensors, sample_rate=rate))
     told = {**off.told(), "joystick_hz": 1.0 / (every * PERIOD), "sensors_hz": rate}
-    parameters = model_mismatch.applied(machine, off)
-    return _Plant(sensed, parameters, every, STEPS, off.dead_time or 0.0, told)
+    dead_time = machine.valve.dead_time if off.dead_time is None else off.dead_time
+    return _Plant(
+        sensed=sensed,
+        parameters=model_mismatch.applied(machine, off),
+        every=every,
+        steps=STEPS if row.joystick else 0.0,
+        dead_time=dead_time or 0.0,
+        told=told,
+    )
 
 
 def _figures(course: Course, machine: Machine, plant: _Plant, seed: int, adapt: bool) -> Figures | None:
