@@ -13,6 +13,7 @@ from forest_control.operator.operator_profile import Frame, Mode, OperatorProfil
 from forest_control.servo.anti_sway import SwayParameters, sway_parameters
 from forest_control.servo.arm_feedforward import arm_model
 from forest_control.servo.coordinated_servo import CoordinationParameters
+from forest_control.servo.gain_rule import gains_by_rule, integral
 from forest_control.servo.joint_angle_filter import Source
 from forest_control.servo.schemes import Gains, Scheme
 from forest_control.servo.swing_feedforward import swing_model
@@ -32,6 +33,7 @@ RELEASE_ERROR = 3e-4  # [rad] at which it moves again: 2 mm of the tip
 INCH = 0.03  # [1] of the rated speed, for an inch: over the command's noise; chosen
 OVER_NOISE = 1.25  # [1] times the command's noise, at the least: the driver must take an inch for motion
 CLOSEST = 0.03  # [1] of the arm's length: how near the tip comes to the swing axis in tip schemes; chosen
+BY_RULE: Vec3 = (-1.0, -1.0, -1.0)  # [1/s] or the gain's own unit: below zero the machine's rule gives it
 FLOW_RESERVE = 0.95  # [1] of the pumps' flow: leakage and the loads' oil need the rest; chosen
 
 
@@ -74,20 +76,19 @@ class Settings(NamedTuple):
         bool, tunable("scheme (d) takes J^-1 at the measured angles, as the thesis does")
     ] = False
     lead: Annotated[float, tunable("how far the reference may run ahead of a joint", "rad", 0.001, 1.0)] = 0.2
-    feedback_gain: Annotated[Vec3, tunable("K_p of the coordinated scheme", "1/s", 0.0, 30.0)] = (
-        3.0,
-        5.0,
-        5.0,
-    )
-    integral_gain: Annotated[Vec3, tunable("K_i of the coordinated scheme", "1/s^2", 0.0, 50.0)] = (
-        3.0,
-        4.0,
-        4.0,
-    )
-    # Only the swing rocks slowly on its hoses: boom and stick need no damping.
+    feedback_gain: Annotated[
+        Vec3, tunable("K_p of the coordinated scheme; negative: by the machine's rule", "1/s", -1.0, 30.0)
+    ] = BY_RULE
+    integral_gain: Annotated[
+        Vec3,
+        tunable("K_i of the coordinated scheme; negative: as goes with K_p by the rule", "1/s^2", -1.0, 50.0),
+    ] = BY_RULE
     rate_gain: Annotated[
-        Vec3, tunable("D of the coordinated scheme: damping by the measured rate", "", 0.0, 2.0)
-    ] = (0.4, 0.0, 0.0)
+        Vec3,
+        tunable(
+            "D of the coordinated scheme: damping by the measured rate; negative: by the rule", "", -1.0, 2.0
+        ),
+    ] = BY_RULE
     lead_time: Annotated[
         Vec3,
         tunable("T of the coordinated scheme beside dead times: what the machine lags behind", "s", 0.0, 0.5),
@@ -131,6 +132,7 @@ class Parameters(NamedTuple):
 
 def parameters(machine: Machine, settings: Settings, workspace: Workspace = OPEN) -> Parameters:
     """Return the core's parameters for a machine and the walls around it."""
+    settings = with_gains(machine, settings)
     gains = _gains(machine, settings, 0), _gains(machine, settings, 1), _gains(machine, settings, 2)
     return Parameters(
         scheme=int(settings.scheme),
@@ -169,6 +171,24 @@ def parameters(machine: Machine, settings: Settings, workspace: Workspace = OPEN
             linkages=machine.linkages,
         ),
     )
+
+
+def with_gains(machine: Machine, settings: Settings) -> Settings:
+    """Return settings whose gains of the coordinated scheme are all told: what is negative, by the rule."""
+    k_p, k_i, d = settings.feedback_gain, settings.integral_gain, settings.rate_gain
+    if min(*k_p, *k_i, *d) >= 0.0:
+        return settings
+    rule = gains_by_rule(machine)
+    k_p = _told(k_p, rule.feedback)
+    goes_with = integral(k_p[0], 0), integral(k_p[1], 1), integral(k_p[2], 2)
+    return settings._replace(
+        feedback_gain=k_p, integral_gain=_told(k_i, goes_with), rate_gain=_told(d, rule.rate)
+    )
+
+
+def _told(given: Vec3, rule: Vec3) -> Vec3:
+    one, two, three = (by_rule if x < 0.0 else x for x, by_rule in zip(given, rule, strict=True))
+    return one, two, three
 
 
 def _inch(machine: Machine, axis: int) -> float:

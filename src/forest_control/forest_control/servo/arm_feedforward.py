@@ -79,7 +79,7 @@ def torque_rates(q: Vec3, a: Vec3, b: Vec3, c: Vec3, arm: ArmModel) -> Pair:
 
     Differs: torques of joint rates squared, some percent at the rates that are driven, are left out.
     """
-    m_22, m_23, m_33 = _inertia(q, arm)
+    m_22, m_23, m_33 = arm_inertia(q, arm)
     c_3, s_3 = math.cos(q[2]), math.sin(q[2])
     turned = -arm.boom_length * (arm.stick_moment[0] * s_3 + arm.stick_moment[1] * c_3) * a[2]
     c_23, s_23 = math.cos(q[1] + q[2]), math.sin(q[1] + q[2])
@@ -105,7 +105,7 @@ def stiffness(angle: float, axis: AxisDriver, linkage: Linkage) -> float:
     return (one + two) * arm * arm
 
 
-def _inertia(q: Vec3, arm: ArmModel) -> Vec3:
+def arm_inertia(q: Vec3, arm: ArmModel) -> Vec3:
     """Return M_22, M_23, M_33 [kg m^2]."""
     coupled = arm.boom_length * (arm.stick_moment[0] * math.cos(q[2]) - arm.stick_moment[1] * math.sin(q[2]))
     return (

@@ -23,13 +23,12 @@ from typing import NamedTuple
 
 from forest_control.servo.arm_feedforward import ArmModel, yielding_rates
 from forest_control.servo.inching import MOVING, Inching, inched, is_due, served
-from forest_control.servo.schemes import FULL_RATE, Gains, Signals, coordinated
+from forest_control.servo.schemes import ERROR_LAG, FULL_RATE, Gains, Signals, coordinated
 from forest_control.servo.swing_feedforward import SwingModel, inertia
 from forest_description.derived.actuator_kinematics import Linkages, actuator_speeds_to_joint_rates
 from forest_description.types import ZERO, Vec3
 
 REST_RATE = 1e-4  # [rad/s] a reference slower than this rests: 0.6 mm/s of the tip; chosen
-ERROR_LAG = 0.05  # [s] time constant of the error's low-pass: over a quarter of a period at 8 Hz
 HELD = 1e-9  # [rad/s] command to a joint that holds: no motion, but the driver may feed its leakage
 MOST_GATHERED = 2e-3  # [rad/s] of the integral at rest, while the valve is shut; chosen, not measured
 HIGHEST_ACCELERATION = 2.0  # [rad/s^2] of b: a jump of the velocity scaling must not kick the valves; chosen

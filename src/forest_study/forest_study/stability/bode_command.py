@@ -87,6 +87,7 @@ def _as_json(one: Result) -> dict[str, Any]:
         "tip_m": one.tip,
         "axis": AXES[one.axis],
         "rate_rad_s": one.loop.rate,
+        "gains": one.loop.gains,
         "without_gains": _finite(one.plant),
         "with_gains": _finite(one.controlled),
     }
@@ -97,7 +98,10 @@ def _finite(found: Margins) -> dict[str, float | None]:
 
 
 def _table(found: list[Result]) -> str:
-    head = "swings up from K_p = at          the gains' margins, crossover                   1/|1 + L|"
+    margins_head = (
+        "swings up from K_p = at          the gains' margins, crossover                   1/|1 + L|"
+    )
+    head = f"{'K_p K_i D':<14} {margins_head}"
     lines = [f"  {'tip, m':<16} {'joint':<6} {'rad/s':>6}  {head}"]
     for one in found:
         tip = ", ".join(f"{x:g}" for x in one.tip) if one.axis == 0 else ""
@@ -105,6 +109,7 @@ def _table(found: list[Result]) -> str:
         decibels = 20.0 * math.log10(closed.gain)
         lines.append(
             f"  {tip:<16} {AXES[one.axis]:<6} {one.loop.rate:6.3f}  "
+            f"{'{:g} {:.3g} {:g}'.format(*one.loop.gains):<14} "
             f"{bare.gain:6.1f} 1/s      {bare.gain_frequency:5.2f} Hz    "
             f"{decibels:5.1f} dB at {closed.gain_frequency:5.2f} Hz, "
             f"{closed.phase:4.0f} deg at {closed.crossover:4.2f} Hz  {closed.sensitivity:5.2f}"

@@ -15,9 +15,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from forest_control.config.controller_settings import Settings
-from forest_control.servo.coordinated_servo import ERROR_LAG
-from forest_control.servo.schemes import FULL_RATE
+from forest_control.config.controller_settings import Settings, with_gains
+from forest_control.servo.gain_rule import servo_response
 from forest_description.machine import Machine
 from forest_description.types import Complexes, Floats, Vec3
 from forest_msgs_py.types import PERIOD
@@ -34,6 +33,7 @@ class PositionLoop(NamedTuple):
     """One joint at one pose."""
 
     rate: float  # [rad/s] of the joint, in whose motion the loop is looked at
+    gains: Vec3  # K_p [1/s], K_i [1/s^2], D
     plant: Complexes  # [n] G, at `FREQUENCY`
     controlled: Complexes  # [n] L
 
@@ -57,21 +57,6 @@ def position_loop(
     s: Complexes = 2j * math.pi * FREQUENCY
     spool = spool_response(spool_lag(machine.valve_of(axis)), FREQUENCY)
     plant = spool * response / abs(response[0]) * np.exp(-LATE * s) / s
-    return PositionLoop(rate, plant, servo(settings, axis, rate, s) * plant)
-
-
-def servo(settings: Settings, axis: int, rate: float, s: Complexes) -> Complexes:
-    """Return C of a joint.
-
-    Args:
-        settings: of the controller.
-        axis: whose.
-        rate: at which it moves [rad/s].
-        s: [n] complex frequencies [1/s].
-    """
-    share = min(1.0, (rate / FULL_RATE) ** 2)
-    quick = 1.0 if axis == 0 else share
-    passed = quick + (1.0 - quick) / (1.0 + ERROR_LAG * s)
-    proportional, integral = settings.feedback_gain[axis] * passed, settings.integral_gain[axis] / s
-    response: Complexes = proportional + integral + settings.rate_gain[axis] * share * s
-    return response
+    told = with_gains(machine, settings)
+    gains = told.feedback_gain[axis], told.integral_gain[axis], told.rate_gain[axis]
+    return PositionLoop(rate, gains, plant, servo_response(*gains, axis, rate, s) * plant)
