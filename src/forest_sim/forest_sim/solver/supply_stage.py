@@ -24,8 +24,8 @@ from forest_sim.hydraulics.supply import (
 from forest_sim.mechanics.manipulator import Pair
 from forest_sim.solver.axis_stage import AxisSolution
 
-SUPPLY_TOLERANCE = 2e4  # [Pa] of Newton's last correction of P_s; the next one would be some pascals
-CLOSED = 1e3  # [Pa] between bounds that have closed on nothing
+SUPPLY_TOLERANCE = 1e3  # [Pa] of Newton's last correction of P_s
+SUPPLY_SHARE = 1e-3  # of the absolute pressure, where oil holds air: the next one is some pascals
 UNBOUNDED = (-math.inf, math.inf)
 
 
@@ -152,8 +152,10 @@ def _axis_draw(axis: AxisSolution, ports: Ports, supply: float, h: float) -> Axi
 
 
 def supply_tolerance(supply: float, p: PlantParameters) -> float:
-    """Return how small Newton's last correction of P_s must be [Pa]: near vacuum less than elsewhere."""
-    return min(SUPPLY_TOLERANCE, 1e-3 * (supply + p.supply.oil.above_vapour))
+    """Return how small Newton's last correction of P_s must be [Pa]; near vacuum oil with air is curved."""
+    if p.supply.volume == 0.0:
+        return SUPPLY_TOLERANCE
+    return SUPPLY_SHARE * (supply + p.supply.oil.above_vapour)
 
 
 def tightened_bounds(bounds: Pair, pressure: float, change: float) -> Pair:
@@ -164,4 +166,4 @@ def tightened_bounds(bounds: Pair, pressure: float, change: float) -> Pair:
     nothing are dropped.
     """
     low, high = (pressure, bounds[1]) if change > 0.0 else (bounds[0], pressure)
-    return (low, high) if high - low > CLOSED else UNBOUNDED
+    return (low, high) if high - low > SUPPLY_TOLERANCE else UNBOUNDED
