@@ -100,7 +100,7 @@ def test_behind_a_shut_check_the_port_shows_the_load_and_takes_nothing():
     port = Port(1e12, math.inf, 0.0, 1)
     end = solve_line(1.5e7, 0.0, 0.0, 0.0, port, 1e7, LINE, NO_GUARD, STEP)
     assert (end.pressure, end.flow, end.port_pressure) == (1.5e7, 0.0, 1.5e7)
-    assert supply_coupling(end, port, 1e7, LINE, STEP) == (0.0, 0.0, 0.0, 0.0)
+    assert supply_coupling(end, port, 1e7, LINE, STEP) == (0.0, 0.0, 0.0, 0.0, 0.0)
     assert port_pressure(1.5e7, 0.0, port, 1e7) == 1.5e7
     assert flow_rate(1.5e7, 0.0, port, 1e7, LINE) == 0.0
     assert flow_rate(0.9e7, 0.0, port, 1e7, LINE) > 0.0

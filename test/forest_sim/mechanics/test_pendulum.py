@@ -167,7 +167,7 @@ def test_small_swings_have_the_frequency_of_a_compound_pendulum(axis):
 
 
 def test_head_without_length_or_inertia_is_the_point_mass_folded_into_the_stick():
-    point = HangingHead(HANGING.head_mass, 1e-9, 0.0, 0.0, 0.0, 0.0)
+    point = HangingHead(HANGING.head_mass, 1e-9, 0.0, 0.0, 0.0)
     folded = fold_head(dataclasses.replace(HANGING, pendulum=None, log=None))
     assert C180.head_folding == "full"
     for x in states(50, 7):

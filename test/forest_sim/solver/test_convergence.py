@@ -9,7 +9,7 @@ from full_machine import advance
 from forest_description.components.valve_characteristic import Direction
 from forest_description.machine import load_machine
 from forest_sim.equations.plant_parameters import plant_parameters
-from forest_sim.half_step.load_sensing import mean_load, open_halves, open_share
+from forest_sim.half_step.load_sensing import open_halves, open_share
 from forest_sim.solver.equilibrium import equilibrium
 
 MACHINES = ("c180_thesis", "c180", "c180_real", "forwarder", "loader")
@@ -101,10 +101,3 @@ def test_a_port_is_open_for_its_share_of_a_step(start, end, share):
 )
 def test_a_port_is_open_in_the_half_in_which_its_spool_is_beyond_the_edge(start, end, halves):
     assert open_halves(start, end, EDGE) == pytest.approx(halves, abs=1e-5)
-
-
-def test_the_mean_of_the_greatest_load_is_that_over_the_step():
-    assert mean_load((5.0, 3.0, 0.0), (1.0, 1.0, 0.0)) == 5.0
-    assert mean_load((5.0, 3.0, 7.0), (0.25, 1.0, 0.0)) == 0.25 * 5.0 + 0.75 * 3.0
-    assert mean_load((1.0, 3.0, 7.0), (0.25, 1.0, 0.0)) == 3.0
-    assert mean_load((4.0, 3.0, 7.0), (0.5, 0.0, 0.0)) == 2.0

@@ -56,16 +56,27 @@ def open_halves(start: float, end: float, d: Direction) -> Pair:
     return min(1.0, crossed), max(0.0, crossed - 1.0)
 
 
-def mean_load(loads: Vec3, shares: Vec3) -> float:
-    """Return the mean of the greatest load [Pa] of axes that are open for shares of a step.
+def load_weights(loads: Vec3, shares: Vec3) -> Vec3:
+    """Return how much each axis' load [Pa], felt for a share of a step, counts in the mean of the greatest.
 
     That is exact where one edge opens or shuts within the step.
     """
-    greatest = 0.0
+    greatest, weights = 0.0, (0.0, 0.0, 0.0)
     for i in range(3):
-        if shares[i] == 1.0:
-            greatest = max(greatest, loads[i])
+        if shares[i] == 1.0 and loads[i] > greatest:
+            greatest, weights = loads[i], _counting(weights, i, 1.0)
     for i in range(3):
-        if 0.0 < shares[i] < 1.0:
-            greatest += shares[i] * max(0.0, loads[i] - greatest)
-    return greatest
+        if 0.0 < shares[i] < 1.0 and loads[i] > greatest:
+            greatest += shares[i] * (loads[i] - greatest)
+            weights = _counting(weights, i, shares[i])
+    return weights
+
+
+def _counting(weights: Vec3, axis: int, share: float) -> Vec3:
+    """Return weights of which an axis takes a share."""
+    left = 1.0 - share
+    return (
+        left * weights[0] + (share if axis == 0 else 0.0),
+        left * weights[1] + (share if axis == 1 else 0.0),
+        left * weights[2] + (share if axis == 2 else 0.0),
+    )

@@ -64,6 +64,7 @@ class Coupling(NamedTuple):
     conductance: float  # dS/dP_s [m^3/(s Pa)]
     gain: float  # dP/dP_s, which by reciprocity is also dS/dq
     feed: float  # dQ/dP_s [m^3/(s Pa)]
+    port_gain: float  # dp/dP_s
 
 
 def guard_flow(pressure: float, guard: PortGuard) -> float:
@@ -241,10 +242,10 @@ def supply_coupling(solution: LineSolution, port: Port, supply: float, line: Lin
     if port.load_check != 0 and p > supply:
         port = without_supply(port)
     if is_shut(port):
-        return Coupling(0.0, 0.0, 0.0, 0.0)
+        return Coupling(0.0, 0.0, 0.0, 0.0, 0.0)
     to_supply = edge_conductance(supply - p, port.to_supply) + (port.leakage + port.skew)
     if p <= port.vapour:  # torn: the port's pressure stands still
-        return Coupling(edge_flows(solution.flow, p, port, supply)[0], to_supply, 0.0, to_supply)
+        return Coupling(edge_flows(solution.flow, p, port, supply)[0], to_supply, 0.0, to_supply, 0.0)
     conductance = port_conductance(p, port, supply)
     gain = step / line.inertance
     admittance = gain / (1.0 + gain * solution.slope)
@@ -255,4 +256,5 @@ def supply_coupling(solution: LineSolution, port: Port, supply: float, line: Lin
         conductance=to_supply * (1.0 - p_per_supply),
         gain=solution.slope * feed,
         feed=feed,
+        port_gain=p_per_supply,
     )

@@ -73,7 +73,10 @@ def apply_load_check(flow: float, port: Port, supply: float) -> Port:
         port: the port with its check, if any.
         supply: P_s [Pa].
     """
-    if port.load_check == 0 or flow >= port_flow(supply, port, supply):
+    if port.load_check == 0:
+        return port
+    back = port.tank - supply
+    if flow >= edge_flow(back, port.to_tank) + (port.leakage - port.skew) * back:
         return port
     return without_supply(port)
 

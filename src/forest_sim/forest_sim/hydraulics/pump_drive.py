@@ -50,10 +50,11 @@ class PumpState(NamedTuple):
 
 
 class Sloped(NamedTuple):
-    """A displacement, or the flow of it, and its slope by the manifold's pressure."""
+    """A displacement, or the flow of it, and its slopes by pressures."""
 
     value: float
     slope: float
+    control: float = 0.0  # its slope by P_r
 
 
 NO_DRIVE = PumpDrive(0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0)
@@ -87,12 +88,12 @@ def stroke_rate(stroke: float, asked: float, d: PumpDrive) -> float:
 
 
 def stroke_after(stroke: float, asked: Sloped, step: float, d: PumpDrive) -> Sloped:
-    """Return s at the end of an implicit stage, s = stroke + step ds/dt, and its slope by the pressure."""
+    """Return s at the end of an implicit stage, s = stroke + step ds/dt, and its slopes."""
     if d.up == 0.0:
         return asked
     ratio = step * (d.up if asked.value > stroke else d.down)
     share = ratio / (1.0 + ratio)
-    return Sloped(stroke + share * (asked.value - stroke), share * asked.slope)
+    return Sloped(stroke + share * (asked.value - stroke), share * asked.slope, share * asked.control)
 
 
 def engine_torque(speed: float, d: PumpDrive) -> float:

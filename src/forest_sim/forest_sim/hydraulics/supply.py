@@ -72,6 +72,7 @@ class PumpFlow(NamedTuple):
     displaced: float  # Q_d [m^3/s]
     delivered: float  # Q_d less leakage and relief [m^3/s]
     slope: float  # d(delivered)/dP_s [m^3/(s Pa)], never positive
+    control: float  # d(delivered)/dP_r [m^3/(s Pa)], never negative
 
 
 class DrivenFlow(NamedTuple):
@@ -189,7 +190,7 @@ def flow_after(supply: SupplyState, known: PumpState, step: float, s: Supply) ->
 def asked_stroke(supply: SupplyState, s: Supply) -> Sloped:
     """Return the displacement over the greatest one that compensator and limiter ask for, 0..1."""
     asked = _asked(supply.pressure, supply.reference, s)
-    return Sloped(asked.value / s.flow_limit, asked.slope / s.flow_limit)
+    return Sloped(asked.value / s.flow_limit, asked.slope / s.flow_limit, asked.control / s.flow_limit)
 
 
 def pump_torque(stroke: float, pressure: float, s: Supply) -> float:
@@ -201,29 +202,30 @@ def pump_torque(stroke: float, pressure: float, s: Supply) -> float:
 def _displaced(stroke: Sloped, speed: float, s: Supply) -> Sloped:
     """Return Q_d [m^3/s] of a displacement at a speed [rad/s]."""
     full = s.flow_limit * (speed / s.drive.speed)
-    return Sloped(full * stroke.value, full * stroke.slope)
+    return Sloped(full * stroke.value, full * stroke.slope, full * stroke.control)
 
 
 def _asked(pressure: float, reference: float, s: Supply) -> Sloped:
     """Return the flow [m^3/s] at the speed without load that compensator and limiter ask for."""
-    displaced, slope = available_flow(pressure, s), 0.0
+    displaced, slope, control = available_flow(pressure, s), 0.0, 0.0
     if displaced < s.flow_limit:
         slope = -displaced / pressure
     wanted = s.compensation * (reference - pressure)
     if s.compensation > 0.0 and wanted < displaced:
-        displaced, slope = max(0.0, wanted), (-s.compensation if wanted > 0.0 else 0.0)
-    return Sloped(displaced, slope)
+        control = s.compensation if wanted > 0.0 else 0.0
+        displaced, slope = max(0.0, wanted), -control
+    return Sloped(displaced, slope, control)
 
 
 def _delivered(of: Sloped, pressure: float, s: Supply) -> PumpFlow:
     """Return what of a displaced flow [m^3/s] leakage and relief valve leave."""
-    displaced, slope = of
+    displaced, slope, control = of
     delivered = displaced - s.leakage * pressure
     slope -= s.leakage
     if pressure > s.relief_pressure:
         delivered -= s.relief_conductance * (pressure - s.relief_pressure)
         slope -= s.relief_conductance
-    return PumpFlow(displaced, delivered, slope)
+    return PumpFlow(displaced, delivered, slope, control)
 
 
 def available_flow(pressure: float, s: Supply) -> float:
@@ -262,6 +264,13 @@ def reference_after(reference: float, load: float, s: Supply, step: float) -> fl
     """Return P_r [Pa] at the end of an implicit stage, P_r = reference + step dP_r/dt."""
     kept = 1.0 / (1.0 + step * s.rate)
     return kept * (reference + step * s.rate * _aim(load, s))
+
+
+def reference_gain(load: float, s: Supply, step: float) -> float:
+    """Return d(`reference_after`)/d(load)."""
+    if load <= 0.0 or load + s.margin >= s.set_pressure:
+        return 0.0
+    return step * s.rate / (1.0 + step * s.rate)
 
 
 def _aim(load: float, s: Supply) -> float:

@@ -31,7 +31,6 @@ what the plant needs in that of `translate`.
 import math
 from typing import NamedTuple
 
-from forest_description.components.load import RotatorAndGrapple
 from forest_description.derived.bodies import hanging_body
 from forest_description.machine import Manipulator
 from forest_description.types import Vec3
@@ -46,7 +45,6 @@ class HangingHead(NamedTuple):
     inertia: float  # about the centre of mass, across the axis [kg m^2]
     log_inertia: float  # of a log along the crane's plane, about its centre [kg m^2]
     damping: float  # of each of the joint's two axes [N m s/rad]
-    foresight: float  # share of its last accelerations that its rates are guessed from in a step
 
 
 class PendulumDynamics(NamedTuple):
@@ -83,10 +81,8 @@ def hanging_head(m: Manipulator) -> HangingHead:
     """Return the constants of the hanging head; its mass is zero when the machine has no pendulum."""
     body = hanging_body(m)
     if body is None or m.pendulum is None:
-        return HangingHead(0.0, 1.0, 0.0, 0.0, 0.0, 0.0)
-    # A guess makes a step faster. A head told as one body has none, so that recorded runs of it repeat.
-    foresight = 1.0 if isinstance(m.pendulum, RotatorAndGrapple) else 0.0
-    return HangingHead(*body, m.pendulum.damping, foresight)
+        return HangingHead(0.0, 1.0, 0.0, 0.0, 0.0)
+    return HangingHead(*body, m.pendulum.damping)
 
 
 def pendulum_dynamics(

@@ -123,13 +123,15 @@ def meshed_rate(free: float, guess: float, c: Contact) -> float:
 
 def through_gear(e: SupplyError, drive: DriveSolution) -> SupplyError:
     """Return the manifold's equation after the motor's rate is eliminated from it."""
-    gain = e.by_rate[0]
+    drawn, gain = e.by_rate[0], e.on_rates[0]
     return SupplyError(
-        residual=e.residual - gain * drive.excess,
-        slope=e.slope + gain * gain * drive.give,
-        by_rate=(gain * drive.share, e.by_rate[1], e.by_rate[2]),
+        residual=e.residual - drawn * drive.excess,
+        slope=e.slope + drawn * gain * drive.give,
+        by_rate=(drawn * drive.share, e.by_rate[1], e.by_rate[2]),
+        on_rates=(gain * drive.share, e.on_rates[1], e.on_rates[2]),
         feeds=e.feeds,
         state=e.state,
+        control=e.control,
     )
 
 

@@ -175,13 +175,15 @@ def rubbing_rate(free: float, guess: float, give: float, rub: Rub) -> float:
 
 def through_links(e: SupplyError, s: ElasticSolution) -> SupplyError:
     """Return the manifold's equation after the roots' rates are eliminated from it."""
-    g = s.gains
+    d, g = e.by_rate, s.gains
     return SupplyError(
-        residual=e.residual - (g[0] * s.swing.excess + g[1] * s.boom.excess + g[2] * s.stick.excess),
-        slope=e.slope + (g[0] * g[0] * s.swing.give + g[1] * g[1] * s.boom.give + g[2] * g[2] * s.stick.give),
-        by_rate=(g[0] * s.swing.share, g[1] * s.boom.share, g[2] * s.stick.share),
+        residual=e.residual - (d[0] * s.swing.excess + d[1] * s.boom.excess + d[2] * s.stick.excess),
+        slope=e.slope + (d[0] * g[0] * s.swing.give + d[1] * g[1] * s.boom.give + d[2] * g[2] * s.stick.give),
+        by_rate=(d[0] * s.swing.share, d[1] * s.boom.share, d[2] * s.stick.share),
+        on_rates=(g[0] * s.swing.share, g[1] * s.boom.share, g[2] * s.stick.share),
         feeds=e.feeds,
         state=e.state,
+        control=e.control,
     )
 
 

@@ -46,7 +46,6 @@ from forest_sim.solver.supply_stage import (
 
 TOLERANCE = 1e-4  # [rad/s] of Newton's last correction; the next one would be a thousandth of it at 1 ms
 LIGHT_SHARE = 0.01  # of a motor's and a root's correction that counts: they weigh a hundredth of the crane
-REFERENCE_TOLERANCE = 1.0  # [Pa] of P_r, which is not corrected but found anew
 BOUNDED = 6  # iterations after which the supply's pressure is kept between bounds, for its pump's kinks
 RIGID, ELASTIC = 0, 1  # literally, so that the machine code of rigid links has nothing of others
 NO_FEEDS = ((0.0, 0.0), (0.0, 0.0), (0.0, 0.0))
@@ -118,8 +117,7 @@ def solve_stage(
         return _iterate_elastic(base, start, _with_root_rates(iterate, base, p), ports, h, p)
     equations, _ = _equations_at(base, start, iterate, ports, h, p, RIGID)
     after, size, supply_change = _newton_step(iterate, equations, ALL_STIFF, 1.0, UNBOUNDED, p, RIGID)
-    reference_change = equations.supply.state.reference - iterate.supply.reference
-    if _has_converged(size, supply_change, reference_change, supply_tolerance(after.supply.pressure, p)):
+    if size < TOLERANCE and abs(supply_change) < supply_tolerance(after.supply.pressure, p):
         return _stage_end(base, after, equations, 0, h, p, RIGID)
     return _iterate_further(base, start, after, ports, h, p)
 
@@ -162,10 +160,9 @@ def _iterate(
     equations, links = _equations_again(base, near, iterate, ports, h, p, bends)
     for iteration in range(1, ITERATIONS):
         before, share = iterate.supply.pressure, 0.5 if DAMPED <= iteration < FULL else 1.0
-        reference_change = equations.supply.state.reference - iterate.supply.reference
         iterate, size, supply_change = _newton_step(iterate, equations, links, share, bounds, p, bends)
         tolerance = supply_tolerance(iterate.supply.pressure, p)
-        if share == 1.0 and _has_converged(size, supply_change, reference_change, tolerance):
+        if share == 1.0 and size < TOLERANCE and abs(supply_change) < tolerance:
             failed = 0
             break
         if iteration >= BOUNDED:
@@ -216,13 +213,6 @@ def _with_link(end: AxisEnd, base: AxisState, rate: float, h: float) -> AxisEnd:
     return AxisEnd(with_joint(end.state, angle, rate), with_joint(end.held, angle, rate))
 
 
-def _has_converged(rates: float, supply: float, reference: float, tolerance: float) -> bool:
-    """Tell whether corrections [rad/s; Pa; Pa] leave nothing to speak of for the next iteration."""
-    if not rates < TOLERANCE:
-        return False
-    return abs(supply) < tolerance and abs(reference) < REFERENCE_TOLERANCE
-
-
 def _head_at(base: HeadState, rates: Pair, h: float) -> HeadState:
     return HeadState(base.alpha + h * rates[0], base.beta + h * rates[1], rates[0], rates[1])
 
@@ -253,7 +243,12 @@ def _equations_at(
         (head_rates[0] - base.head.alpha_rate, head_rates[1] - base.head.beta_rate),
     )
     error = SupplyError(
-        residual=0.0, slope=1.0, by_rate=(0.0, 0.0, 0.0), feeds=NO_FEEDS, state=iterate.supply
+        residual=0.0,
+        slope=1.0,
+        by_rate=(0.0, 0.0, 0.0),
+        on_rates=(0.0, 0.0, 0.0),
+        feeds=NO_FEEDS,
+        state=iterate.supply,
     )
     if not p.supply.ideal:
         error = supply_error(
@@ -266,11 +261,11 @@ def _equations_at(
         drive = solve_drive(base.drive, joints[0], w[0], turned, torques[0], resistances[0], h, p.drive)
         torques = drive.torque, boom.torque, stick.torque
         resistances = drive.resistance, boom.resistance, stick.resistance
-        motor_gain = error.by_rate[0]
+        motor_gain = error.on_rates[0]
         error = through_gear(error, drive)
     if bends:
         rubs = _rub(boom, t_2.arm, p.boom), _rub(stick, t_3.arm, p.stick)
-        elastic = solve_links(base, u, w, torques, resistances, rubs, error.by_rate, h, p.elastic)
+        elastic = solve_links(base, u, w, torques, resistances, rubs, error.on_rates, h, p.elastic)
         torques = elastic.swing.torque, elastic.boom.torque, elastic.stick.torque
         resistances = elastic.swing.resistance, elastic.boom.resistance, elastic.stick.resistance
         error = through_links(error, elastic)
@@ -353,7 +348,7 @@ def _newton_step(
     if not p.supply.ideal:
         s = equations.supply
         b = s.by_rate
-        z, y = solve(equations.matrix, b, (0.0, 0.0))
+        z, y = solve(equations.matrix, s.on_rates, (0.0, 0.0))
         pressure = (s.residual - b[0] * c[0] - b[1] * c[1] - b[2] * c[2]) / (
             s.slope + b[0] * z[0] + b[1] * z[1] + b[2] * z[2]
         )
@@ -377,10 +372,15 @@ def _newton_step(
         e = equations.drive
         turning = e.share * turns[0] + e.excess + e.give * equations.motor_gain * pressure
         motor = iterate.motor_rate - share * turning
+    reference, aims = equations.supply.state.reference, equations.supply.control
+    if p.supply.rate > 0.0:
+        driving = turning if p.drive.present else turns[0]
+        followed = aims.by_rate[0] * driving + aims.by_rate[1] * turns[1] + aims.by_rate[2] * turns[2]
+        reference -= share * (aims.by_supply * pressure + followed)
     after = Iterate(
         (u[0] - share * c[0], u[1] - share * c[1], u[2] - share * c[2]),
         (w[0] - share * d[0], w[1] - share * d[1]),
-        SupplyState(supply, equations.supply.state.reference),
+        SupplyState(supply, reference),
         motor,
         roots,
     )

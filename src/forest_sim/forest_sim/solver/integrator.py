@@ -91,7 +91,7 @@ def step_by_stages(simulation: Simulation, voltages: Vec3, h: float, p: PlantPar
     if p.supply.rate > 0.0:
         ports = sensed_over(ports, simulation.spools, end, p)
     base = start = held = with_contents(plant, early, p)
-    ahead = after = _with_head_ahead(plant, simulation.head_accelerations, p.head.foresight * c)
+    ahead = after = _with_head_ahead(plant, simulation.head_accelerations, c)
     first, failures = plant, 0
     for stage in range(2):  # one body for both, so that the compiled plant holds it once
         after, held, failed = solve_stage(base, ahead, rates, ports, c, p)

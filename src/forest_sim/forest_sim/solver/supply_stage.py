@@ -9,7 +9,7 @@ from typing import NamedTuple
 from forest_description.types import Vec3
 from forest_sim.equations.plant_parameters import PlantParameters
 from forest_sim.equations.valve_ports import Ports
-from forest_sim.half_step.load_sensing import mean_load
+from forest_sim.half_step.load_sensing import load_weights
 from forest_sim.hydraulics.hydraulic_line import supply_coupling
 from forest_sim.hydraulics.pump_drive import PumpState
 from forest_sim.hydraulics.supply import (
@@ -19,11 +19,13 @@ from forest_sim.hydraulics.supply import (
     manifold_oil,
     pump_flow,
     reference_after,
+    reference_gain,
 )
 from forest_sim.mechanics.manipulator import Pair
 from forest_sim.solver.axis_stage import AxisSolution
 
 SUPPLY_TOLERANCE = 1e3  # [Pa] of Newton's last correction of P_s
+SUPPLY_SHARE = 1e-3  # of the absolute pressure, where oil holds air: the next one is some pascals
 UNBOUNDED = (-math.inf, math.inf)
 
 
@@ -34,8 +36,20 @@ class AxisDraw(NamedTuple):
     conductance: float  # d(flow)/dP_s [m^3/(s Pa)]
     gain: float  # d(flow)/d(actuator speed) [m^2; m^3/rad]
     load: float  # that it shows [Pa], 0 or more
+    load_by_supply: float  # d(load)/dP_s
+    load_by_speed: float  # d(load)/d(actuator speed) [Pa s/m; Pa s/rad]
     sensed: float  # the share of the step in which it does
     feeds: Pair  # d(flow into hose 1, 2)/dP_s [m^3/(s Pa)]
+
+
+class Control(NamedTuple):
+    """How P_r at a stage's end follows an iterate."""
+
+    by_supply: float  # dP_r/dP_s
+    by_rate: Vec3  # dP_r/d(rate) of the actuators, seen at their joints [Pa s]
+
+
+NO_CONTROL = Control(0.0, (0.0, 0.0, 0.0))
 
 
 class SupplyError(NamedTuple):
@@ -43,9 +57,11 @@ class SupplyError(NamedTuple):
 
     residual: float  # [m^3]
     slope: float  # by P_s [m^3/Pa]
-    by_rate: Vec3  # by the joint rates [m^3 s], which is also -d(residual of the joints)/dP_s
+    by_rate: Vec3  # by the joint rates [m^3 s]
+    on_rates: Vec3  # -d(residual of the joints)/dP_s [m^3 s]: the same, but for what P_r has of the rates
     feeds: tuple[Pair, Pair, Pair]  # d(flow into hose 1, 2)/dP_s of swing, boom, stick [m^3/(s Pa)]
     state: SupplyState  # P_s [Pa] of the iterate, and the P_r that follows from it
+    control: Control = NO_CONTROL
 
 
 def supply_error(
@@ -68,10 +84,21 @@ def supply_error(
     one = _axis_draw(axes[0], ports[0], supply, h)
     two = _axis_draw(axes[1], ports[1], supply, h)
     three = _axis_draw(axes[2], ports[2], supply, h)
-    reference = base.reference
+    reference, control = base.reference, NO_CONTROL
     if p.supply.rate > 0.0:
         loads, shares = (one.load, two.load, three.load), (one.sensed, two.sensed, three.sensed)
-        reference = reference_after(reference, mean_load(loads, shares), p.supply, h)
+        w = load_weights(loads, shares)
+        load = w[0] * loads[0] + w[1] * loads[1] + w[2] * loads[2]
+        reference, gain = reference_after(reference, load, p.supply, h), reference_gain(load, p.supply, h)
+        w = gain * w[0], gain * w[1], gain * w[2]
+        control = Control(
+            by_supply=w[0] * one.load_by_supply + w[1] * two.load_by_supply + w[2] * three.load_by_supply,
+            by_rate=(
+                w[0] * arms[0] * one.load_by_speed,
+                w[1] * arms[1] * two.load_by_speed,
+                w[2] * arms[2] * three.load_by_speed,
+            ),
+        )
     pump = pump_flow(supply, reference, p.supply)
     if p.supply.drive.present:
         pump = flow_after(SupplyState(supply, reference), known, h, p.supply).flow
@@ -81,12 +108,20 @@ def supply_error(
     if p.supply.volume > 0.0:
         stored = manifold_oil(supply, p.supply) - base.pressure
     capacitance = manifold_capacitance(supply, p.supply)
+    on_rates = h * arms[0] * one.gain, h * arms[1] * two.gain, h * arms[2] * three.gain
+    controlled = h * pump.control
     return SupplyError(
         residual=stored + h * (drawn - pump.delivered),
-        slope=capacitance + h * (conductance - pump.slope),
-        by_rate=(h * arms[0] * one.gain, h * arms[1] * two.gain, h * arms[2] * three.gain),
+        slope=capacitance + h * (conductance - pump.slope) - controlled * control.by_supply,
+        by_rate=(
+            on_rates[0] - controlled * control.by_rate[0],
+            on_rates[1] - controlled * control.by_rate[1],
+            on_rates[2] - controlled * control.by_rate[2],
+        ),
+        on_rates=on_rates,
         feeds=(one.feeds, two.feeds, three.feeds),
         state=SupplyState(supply, reference),
+        control=control,
     )
 
 
@@ -96,23 +131,31 @@ def _axis_draw(axis: AxisSolution, ports: Ports, supply: float, h: float) -> Axi
     two = supply_coupling(axis.two, ports.port_2, supply, axis.lines[1], h)
     gain = axis.swept[0] * one.gain - axis.swept[1] * two.gain
     first, second = ports.sensed
-    load = max(
-        axis.one.port_pressure if first > 0.0 else 0.0, axis.two.port_pressure if second > 0.0 else 0.0
-    )
+    load = load_by_supply = load_by_speed = 0.0
+    if first > 0.0 and axis.one.port_pressure > load:
+        load, load_by_supply = axis.one.port_pressure, one.port_gain
+        load_by_speed = -axis.swept[0] * axis.one.port_stiffness
+    if second > 0.0 and axis.two.port_pressure > load:
+        load, load_by_supply = axis.two.port_pressure, two.port_gain
+        load_by_speed = axis.swept[1] * axis.two.port_stiffness
     feeds = one.feed, two.feed
     return AxisDraw(
         flow=one.draw + two.draw,
         conductance=one.conductance + two.conductance,
         gain=gain,
         load=load,
+        load_by_supply=load_by_supply,
+        load_by_speed=load_by_speed,
         sensed=max(first, second),
         feeds=feeds,
     )
 
 
 def supply_tolerance(supply: float, p: PlantParameters) -> float:
-    """Return how small Newton's last correction of P_s must be [Pa]: near vacuum less than elsewhere."""
-    return min(SUPPLY_TOLERANCE, 1e-3 * (supply + p.supply.oil.above_vapour))
+    """Return how small Newton's last correction of P_s must be [Pa]; near vacuum oil with air is curved."""
+    if p.supply.volume == 0.0:
+        return SUPPLY_TOLERANCE
+    return SUPPLY_SHARE * (supply + p.supply.oil.above_vapour)
 
 
 def tightened_bounds(bounds: Pair, pressure: float, change: float) -> Pair:
