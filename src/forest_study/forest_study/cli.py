@@ -14,6 +14,7 @@ from forest_bringup.graph_lock import GraphError
 from forest_control.taught.tip_path import PathError
 from forest_description.config.parameter import MachineError
 from forest_msgs_py.runtime import command_line
+from forest_study.ablation import ablation_command, cycles_command
 from forest_study.closed_loop.link_model import LinkError
 from forest_study.demo import replay
 from forest_study.latency import delay_study, timing
@@ -54,6 +55,17 @@ def _parser() -> argparse.ArgumentParser:
         commands, "matrix", _matrix, "plants hidden from the controller, drawn by seed: the worst of them"
     )
     matrix_command.add_arguments(hidden)
+    changed = _command(
+        commands, "ablation", _ablation, "control without each mechanism, or its constants halved and doubled"
+    )
+    ablation_command.add_arguments(changed)
+    cycling = _command(
+        commands,
+        "cycles",
+        _cycles,
+        "limit cycles of a misjudged overlap: told and simulated",
+    )
+    cycles_command.add_arguments(cycling)
     late = _command(commands, "delay", _delay, "late links: tracking and stopping against 0 to 600 ms")
     delay_study.add_arguments(late)
     replaying = _command(
@@ -121,6 +133,16 @@ def _bode(options: argparse.Namespace) -> int:
 
 def _sway(options: argparse.Namespace) -> int:
     return sway_command.run(options)
+
+
+def _ablation(options: argparse.Namespace) -> int:
+    new_directory(options.out)
+    return ablation_command.run(options)
+
+
+def _cycles(options: argparse.Namespace) -> int:
+    new_directory(options.out)
+    return cycles_command.run(options)
 
 
 def _matrix(options: argparse.Namespace) -> int:

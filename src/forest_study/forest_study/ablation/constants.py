@@ -1,0 +1,112 @@
+"""The numbers of `forest_control`: constants of its modules, and the settings of controller and valve driver.
+
+A constant is called `room.module.NAME`; a setting `controller.name` or `valve_driver.name`, as on the nodes.
+Modules take each other's constants by name when they are imported, so a change must reach each of them.
+"""
+
+import importlib
+import pkgutil
+import sys
+from types import ModuleType
+from typing import Any, NamedTuple
+
+from forest_control.config import controller_settings
+from forest_control.valve import valve_driver_parameters
+from forest_study.results import StudyError
+
+ROOMS = ("servo", "valve", "limits", "pipeline", "safety", "config")
+NODES: dict[str, dict[str, Any]] = {
+    "controller": controller_settings.Settings()._asdict(),
+    "valve_driver": valve_driver_parameters.Settings()._asdict(),
+}
+MODULE = "forest_control."
+
+Number = float | tuple[float, ...]
+Changes = dict[str, Number]
+
+
+class Settings(NamedTuple):
+    """Settings with what was changed."""
+
+    control: controller_settings.Settings
+    drive: valve_driver_parameters.Settings
+
+
+def numbers(rooms: tuple[str, ...]) -> Changes:
+    """Return names and values of the constants of some rooms, and of the nodes' settings if named."""
+    found: Changes = {}
+    for room in rooms:
+        if room in NODES:
+            pairs = NODES[room].items()
+            found |= {f"{room}.{name}": value for name, value in pairs if _is_number(value)}
+        else:
+            for module in _modules(room):
+                place = module.__name__.removeprefix(MODULE)
+                found |= {f"{place}.{name}": value for name, value in _own(module)}
+    return found
+
+
+def changed(changes: Changes) -> Settings:
+    """Change constants of this process, before anything is computed with them; return the settings.
+
+    Raises:
+        StudyError: there is no such constant or setting.
+    """
+    given: dict[str, dict[str, Any]] = {node: {} for node in NODES}
+    for key, value in changes.items():
+        place, _, name = key.rpartition(".")
+        if place in NODES and name in NODES[place]:
+            given[place][name] = value
+        else:
+            _change_constant(place, name, value)
+    return Settings(
+        controller_settings.Settings(**given["controller"]),
+        valve_driver_parameters.Settings(**given["valve_driver"]),
+    )
+
+
+def scaled(value: Number, factor: float) -> Number:
+    """Return a number, or each of several, times a factor; whole numbers stay whole."""
+    if isinstance(value, tuple):
+        return tuple(factor * one for one in value)
+    return round(factor * value) if isinstance(value, int) else factor * value
+
+
+def _change_constant(place: str, name: str, value: Number) -> None:
+    try:
+        owner = importlib.import_module(MODULE + place)
+        before = getattr(owner, name)
+    except (ImportError, AttributeError, ValueError):
+        raise StudyError(
+            f"{place}.{name} is no constant of forest_control and no setting; "
+            "allowed: names as in the table, such as servo.inching.LOOK or controller.lead"
+        ) from None
+    for module in _all_modules():
+        if getattr(module, name, None) is before and (module is owner or name not in dict(_own(module))):
+            setattr(module, name, value)
+
+
+def _all_modules() -> list[ModuleType]:
+    return [module for name, module in list(sys.modules.items()) if name.startswith("forest_")]
+
+
+def _modules(room: str) -> list[ModuleType]:
+    package = importlib.import_module(MODULE + room)
+    names = sorted(one.name for one in pkgutil.iter_modules(package.__path__))
+    return [importlib.import_module(f"{package.__name__}.{name}") for name in names]
+
+
+def _own(module: ModuleType) -> list[tuple[str, Number]]:
+    """Return the numbers that a module's own lines assign."""
+    source = module.__spec__.loader.get_source(module.__name__)  # type: ignore[union-attr]
+    return [
+        (name, value)
+        for name, value in vars(module).items()
+        if name.isupper() and _is_number(value) and (f"\n{name} =" in source or f"\n{name}: " in source)
+    ]
+
+
+def _is_number(value: object) -> bool:
+    if isinstance(value, tuple):
+        return bool(value) and type(value) is tuple and all(map(_is_number, value))
+    return type(value) in (int, float)

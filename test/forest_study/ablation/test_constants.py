@@ -1,0 +1,43 @@
+"""Numbers of forest_control: found by name, and changed wherever they were imported to."""
+
+import subprocess
+import sys
+
+import pytest
+
+from forest_study.ablation.constants import changed, numbers, scaled
+from forest_study.results import StudyError
+
+AFTER_A_CHANGE = """
+from forest_study.ablation.constants import changed
+settings = changed({"servo.schemes.FULL_RATE": 0.2, "controller.lead": 0.1, "servo.schemes.REST_RATE": 1.0})
+from forest_control.servo import coordinated_servo, schemes
+print(schemes.FULL_RATE, coordinated_servo.FULL_RATE, settings.control.lead)
+print(schemes.REST_RATE, coordinated_servo.REST_RATE)
+"""
+
+
+def test_a_change_reaches_who_imported_the_constant_and_nobody_who_has_one_of_the_same_name():
+    done = subprocess.run([sys.executable, "-c", AFTER_A_CHANGE], capture_output=True, text=True, check=True)
+    assert done.stdout.split() == ["0.2", "0.2", "0.1", "1.0", "0.0001"]
+
+
+def test_constants_of_a_room_and_settings_of_a_node_are_found():
+    found = numbers(("servo", "controller"))
+    assert found["servo.inching.LOOK"] == 0.35
+    assert found["controller.feedback_gain"][1] == 5.0
+    assert "servo.coordinated_servo.FULL_RATE" not in found  # imported: it has one home
+    assert "controller.anti_sway" not in found  # no number
+
+
+@pytest.mark.parametrize("name", ["servo.inching.LOOKS", "servo.nowhere.LOOK", "controller.leads", "LOOK"])
+def test_an_unknown_name_is_refused_with_an_example(name):
+    with pytest.raises(StudyError, match=r"no constant of forest_control and no setting; allowed: .*LOOK"):
+        changed({name: 1.0})
+
+
+def test_numbers_are_scaled_as_what_they_are():
+    assert scaled(0.5, 2.0) == 1.0
+    assert scaled((1.0, 2.0), 0.5) == (0.5, 1.0)
+    assert scaled(50, 0.5) == 25
+    assert isinstance(scaled(50, 0.5), int)
