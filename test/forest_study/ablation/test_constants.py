@@ -5,6 +5,7 @@ import sys
 
 import pytest
 
+from forest_description.machine import load_machine
 from forest_study.ablation.constants import changed, numbers, scaled
 from forest_study.results import StudyError
 
@@ -23,7 +24,7 @@ def test_a_change_reaches_who_imported_the_constant_and_nobody_who_has_one_of_th
 
 
 def test_constants_of_a_room_and_settings_of_a_node_are_found():
-    found = numbers(("servo", "controller"))
+    found = numbers(("servo", "controller"), load_machine("c180"))
     assert found["servo.inching.LOOK"] == 0.35
     assert found["controller.feedback_gain"][1] == 5.0
     assert "servo.coordinated_servo.FULL_RATE" not in found  # imported: it has one home

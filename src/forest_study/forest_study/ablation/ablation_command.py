@@ -7,7 +7,7 @@ from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 
 from forest_compile.kernel_cache import can_compile
-from forest_description.machine import load_machine
+from forest_description.machine import Machine, load_machine
 from forest_msgs_py.runtime.command_line import number, whole
 from forest_study.ablation.constants import NODES, ROOMS, Changes, numbers, scaled
 from forest_study.ablation.trials import Figures, Trial, tried
@@ -16,16 +16,11 @@ from forest_study.results import StudyError, write_json
 NOTHING = "nothing"
 MECHANISMS: dict[str, Changes] = {
     NOTHING: {},
-    "holding": {
-        "config.controller_settings.HOLD_ERROR": 0.0,
-        "config.controller_settings.RELEASE_ERROR": 0.0,
-    },
     "inching": {"servo.inching.ARRIVED": 1e9},
     "stronger inches": {"servo.inching.STRONGEST": 1.0},
     "hold zone": {"valve_driver.hold_zone": 0.0},
     "zone that doubles": {"valve.valve_hold.WIDEST": 1.0},
     "low-pass of the error": {"servo.coordinated_servo.ERROR_LAG": 1e-6},
-    "integral at rest": {"servo.coordinated_servo.MOST_GATHERED": 0.0},
     "nothing, with adaptation": {"valve_driver.adapt": True},
     "search, with adaptation": {"valve_driver.adapt": True, "valve.valve_adaptation.SEARCH": 0.0},
 }
@@ -70,8 +65,8 @@ def run(options: argparse.Namespace) -> int:
     """
     if not can_compile():
         raise StudyError("ablation needs LLVM, which is not installed: pip install 'forest-crane[fast]'")
-    load_machine(options.machine)
-    changes = MECHANISMS if options.constants is None else _constants(options.constants, options.only)
+    machine, rooms = load_machine(options.machine), options.constants
+    changes = MECHANISMS if rooms is None else _constants(rooms, options.only, machine)
 
     def one(name: str) -> Figures | None:
         tilt = math.radians(options.tilt)
@@ -109,9 +104,9 @@ def _conditions(options: argparse.Namespace) -> dict[str, str | float]:
     return {name: getattr(options, name) for name in names}
 
 
-def _constants(rooms: list[str], only: str) -> dict[str, Changes]:
+def _constants(rooms: list[str], only: str, machine: Machine) -> dict[str, Changes]:
     """Return the changes of all constants, behind none."""
-    found = {name: value for name, value in numbers(tuple(rooms)).items() if only in name}
+    found = {name: value for name, value in numbers(tuple(rooms), machine).items() if only in name}
     if not found:
         raise StudyError(f"no constant of {', '.join(rooms)} has {only!r} in its name")
     changes: dict[str, Changes] = {NOTHING: {}}

@@ -12,6 +12,7 @@ from typing import Any, NamedTuple
 
 from forest_control.config import controller_settings
 from forest_control.valve import valve_driver_parameters
+from forest_description.machine import Machine
 from forest_study.results import StudyError
 
 ROOMS = ("servo", "valve", "limits", "pipeline", "safety", "config")
@@ -32,12 +33,13 @@ class Settings(NamedTuple):
     drive: valve_driver_parameters.Settings
 
 
-def numbers(rooms: tuple[str, ...]) -> Changes:
-    """Return names and values of the constants of some rooms, and of the nodes' settings if named."""
+def numbers(rooms: tuple[str, ...], machine: Machine) -> Changes:
+    """Return names and values of the constants of some rooms, and of a machine's nodes' settings if named."""
     found: Changes = {}
     for room in rooms:
         if room in NODES:
-            pairs = NODES[room].items()
+            ruled = controller_settings.with_gains(machine, controller_settings.Settings())
+            pairs = (ruled._asdict() if room == "controller" else NODES[room]).items()
             found |= {f"{room}.{name}": value for name, value in pairs if _is_number(value)}
         else:
             for module in _modules(room):
