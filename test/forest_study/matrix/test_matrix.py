@@ -24,11 +24,11 @@ NONE = Figures(*[0.0] * len(Figures._fields))
 
 @pytest.fixture(scope="module")
 def inches():
-    return run_row(ROWS["inch"], REAL, range(5))
+    return run_row(ROWS["inch"], REAL, range(5), adapt=True)
 
 
 def test_equal_seeds_give_equal_figures_whatever_else_is_run(inches):
-    assert run_row(ROWS["inch"], REAL, [3]) == [inches[3]]
+    assert run_row(ROWS["inch"], REAL, [3], adapt=True) == [inches[3]]
     assert len({one.figures for one in inches}) == 5
 
 
@@ -87,6 +87,30 @@ def test_the_slow_paths_and_inches_are_as_long_as_the_rows_say():
     assert [path.length for path in ROWS["inch"].paths] == pytest.approx([0.02] * 3)
 
 
+def test_what_the_file_lets_it_lift_on_a_path_is_that_of_its_longest_reach():
+    reach, load = REAL.capacity.reach, REAL.capacity.load
+    assert matrix_runs.least_capacity(ROWS["plain"].paths[1], REAL) == pytest.approx(
+        np.interp(7.2, reach, load)
+    )
+    assert matrix_runs.least_capacity(ROWS["inch"].paths[0], REAL) == pytest.approx(
+        np.interp(5.92, reach, load)
+    )
+
+
+def test_seeds_beyond_the_capacity_are_told_apart(inches):
+    least = np.interp(5.92, REAL.capacity.reach, REAL.capacity.load)
+    assert [one.overloaded for one in inches] == [one.drawn["head"] > least for one in inches]
+    heavy = run_row(ROWS["inch"], REAL, [22])[0]
+    assert heavy.drawn["head"] > least
+    assert heavy.overloaded
+
+
+def test_the_last_lap_is_judged_by_which_the_driver_has_learnt(inches):
+    seed = 2
+    again = run_row(ROWS["inch"], REAL, [seed], adapt=True, laps=3)[0]
+    assert again.figures.end_mm < inches[seed].figures.end_mm
+
+
 def test_an_inch_takes_half_a_second():
     course = matrix_runs.prepare(ROWS["inch"].paths[0], 0.05, matrix_runs.Scheme.COORDINATED, REAL)
     assert course.drawn[0].lap.profile.duration == pytest.approx(0.5, rel=5e-3)
@@ -134,19 +158,22 @@ def test_overshoot_activity_and_bound_are_those_of_a_known_run(judged):
 
 def test_the_table_tells_the_worst_the_median_and_what_did_not_end():
     figures = [NONE._replace(cross_track_max_mm=x, wish_over_bound=x / 10.0) for x in (4.0, 9.0, 30.0)]
-    outcomes = [Outcome(k, {}, one, {"way": one}) for k, one in enumerate(figures)]
-    outcomes.append(Outcome(3, {}, None, {"way": None}))
-    found = summary(outcomes)
+    outcomes = [Outcome(k, {}, False, one, {"way": one}) for k, one in enumerate(figures)]
+    outcomes.append(Outcome(3, {}, False, None, {"way": None}))
+    outcomes.append(Outcome(4, {}, True, figures[2], {"way": figures[2]}))
+    found = summary(outcomes[:4])
     assert (found["worst"]["cross_track_max_mm"], found["median"]["cross_track_max_mm"]) == (30.0, 9.0)
-    assert (found["over_bound"], found["not_ended"]) == (1, [3])
+    assert (found["keep_bound"], found["not_ended"]) == (2, [3])
     text = table({"fast": told(ROWS["fast"], outcomes)})
     assert "| 4, 1 not ended | 0.0 / 30.0 |" in text
     assert "| | median | 0.0 / 9.0 |" in text
+    assert "| beyond the capacity | 1 | 0.0 / 30.0 |" in text
+    assert "| 2 of 3 |" in text
     assert "8 / 20 mm" in text
 
 
 def test_a_row_in_which_nothing_ended_is_told(tmp_path):
-    lost = {"fast": told(ROWS["fast"], [Outcome(0, {}, None, {"way": None})])}
+    lost = {"fast": told(ROWS["fast"], [Outcome(0, {}, False, None, {"way": None})])}
     assert "| 1, 1 not ended |" in table(lost)
     matrix_report.draw(lost, tmp_path / "matrix.png")
     assert (tmp_path / "matrix.png").stat().st_size > 1000
@@ -157,7 +184,7 @@ def test_the_command_leaves_numbers_table_and_picture(tmp_path, capsys):
     assert cli.main(["matrix", "--seeds", "2", "--seed", "6", "--row", "inch", "--out", str(out)]) == 0
     report = json.loads((out / "matrix.json").read_text())
     assert [run["seed"] for run in report["rows"]["inch"]["runs"]] == [6, 7]
-    assert all(math.isfinite(x) for x in report["rows"]["inch"]["summary"]["worst"].values())
+    assert all(math.isfinite(x) for x in report["rows"]["inch"]["within"]["worst"].values())
     assert (out / "matrix.md").read_text().strip() in capsys.readouterr().out
     assert (out / "matrix.png").stat().st_size > 1000
 

@@ -15,7 +15,8 @@ either direction,
 | k | how much further than that the spool must move: 1/(1 + k) is the gain | - |
 | E, i | V - V_d of an open spool; 1 while it is open | V, - |
 
-All parts pass the same low-pass, so that transients are no error: behind it E = i d + (1 + k) x.
+V is behind the valve's dead time, taken as a lag. All parts pass the same low-pass, so that transients
+are no error: behind it E = i d + (1 + k) x.
 The regressor holds x as expected from the voltage: the measured x is noisy, which would bias k
 downwards.
 
@@ -26,6 +27,7 @@ wide. So while the deadband is unsure, d is raised until something moves.
 import math
 from typing import NamedTuple
 
+from forest_control.valve.spool_model import left
 from forest_control.valve.valve_flow import (
     BANDWIDTH,
     NO_MEASUREMENT,
@@ -82,6 +84,7 @@ class ValveEstimate(NamedTuple):
     backward: DirectionEstimate = DirectionEstimate()
     low: LowPassed = LowPassed()
     last: AxisMeasurement = NO_MEASUREMENT
+    late: float = 0.0  # spool behind the valve's dead time [V]
     primed: bool = False  # the last period was measured
 
 
@@ -103,7 +106,9 @@ def updated_estimate(
 ) -> ValveEstimate:
     """Return the state after a period of dt [s]; law: the valve as in the machine's file."""
     if not estimate.primed or underlapped(law):
-        return unmeasured(estimate)._replace(last=sample, primed=True)
+        return unmeasured(estimate)._replace(last=sample, late=sample.spool, primed=True)
+    late = sample.spool + left(flow.dead_time, dt) * (estimate.late - sample.spool)
+    sample = sample._replace(spool=late)
     forward, backward = estimate.forward, estimate.backward
     edge, known = (law.forward, forward) if sample.spool > 0.0 else (law.backward, backward)
     flowing = opening_from_flow(estimate.last, sample, law, flow, dt)
@@ -115,7 +120,7 @@ def updated_estimate(
             forward = _update(forward, low, law.forward, law, flow, a, dt)
         else:
             backward = _update(backward, low, law.backward, law, flow, a, dt)
-    return ValveEstimate(forward=forward, backward=backward, low=low, last=sample, primed=True)
+    return ValveEstimate(forward=forward, backward=backward, low=low, last=sample, late=late, primed=True)
 
 
 def underlapped(law: ValveLaw) -> bool:

@@ -9,7 +9,7 @@ from typing import Annotated, NamedTuple
 
 from forest_control.valve.spool_model import SpoolLaw, after
 from forest_control.valve.valve_adaptation import AdaptationParameters
-from forest_control.valve.valve_flow import FlowParameters
+from forest_control.valve.valve_flow import FlowParameters, Yielding
 from forest_description.components.load_holding import LoadHolding, RuptureValve
 from forest_description.components.valve_characteristic import ValveLaw
 from forest_description.derived.actuator_kinematics import displacements, metering_drop, rated_speeds
@@ -21,13 +21,6 @@ from forest_msgs_py.types import PERIOD
 LEAST_FED = 0.001  # [V] leakage that is not fed: it lets the tip sink by under 1 mm/s
 MISJUDGED = 0.2  # [V] twice the error of an overlap that feeding must bear; chosen, not measured
 NOISY_SERVO = 35.0  # [1/s] seven standard deviations of the position through a servo's gain of 5 1/s
-
-
-class Yielding(NamedTuple):
-    """The oil between a valve's edge and its actuator: C = fixed + growing x at the actuator's position x."""
-
-    fixed: float = 0.0  # [m^3/Pa]
-    growing: float = 0.0  # [m^3/Pa per m; per rad]
 
 
 class AxisDriver(NamedTuple):
@@ -280,11 +273,12 @@ def _flow(machine: Machine, axis: int) -> FlowParameters:
     return FlowParameters(
         displacement_1=one,
         displacement_2=two,
-        capacitance_1=machine.line(axis, 1).capacitance,
-        capacitance_2=machine.line(axis, 2).capacitance,
+        oil_1=_oil(machine, axis, 1),
+        oil_2=_oil(machine, axis, 2),
         internal_leakage=1.0 / swing.internal_leakage_resistance if axis == 0 else 0.0,
         external_leakage=1.0 / swing.external_leakage_resistance if axis == 0 else 0.0,
         position_noise=_position_noise(machine, axis),
         supply_pressure=machine.pump.supply_pressure,
+        dead_time=machine.valve_of(axis).dead_time or 0.0,
         compensated=int(machine.valve_of(axis).compensator is not None),
     )

@@ -25,17 +25,25 @@ ABOVE_SUPPLY = 1.1  # [1] of the supply pressure: above, a port's relief valve m
 LEAST_DROP = 0.02  # [1] of the supply pressure: a smaller drop at an orifice is the transducers' noise
 
 
+class Yielding(NamedTuple):
+    """The oil between a valve's edge and its actuator: C = fixed + growing x at the actuator's position x."""
+
+    fixed: float = 0.0  # [m^3/Pa]
+    growing: float = 0.0  # [m^3/Pa per m; per rad]
+
+
 class FlowParameters(NamedTuple):
     """What is known of one actuator beside its valve."""
 
     displacement_1: float  # [m^2; m^3/rad]
     displacement_2: float
-    capacitance_1: float  # of the hoses [m^3/Pa]
-    capacitance_2: float
+    oil_1: Yielding  # of hose and chamber
+    oil_2: Yielding
     internal_leakage: float  # between the ports [m^3/(s Pa)]
     external_leakage: float  # of each port to the case
     position_noise: float  # [m; rad] standard deviation of a sample
     supply_pressure: float  # [Pa]
+    dead_time: float = 0.0  # of the valve [s]
     compensated: int = 0  # not 0: its compensator takes an unknown part of the drop at the inlet
 
 
@@ -125,9 +133,9 @@ def opening_from_flow(
     speed = (sample.position - last.position) / dt
     between = a.internal_leakage * (sample.port_1 - sample.port_2)
     flow_1 = a.displacement_1 * speed + between + a.external_leakage * sample.port_1
-    flow_1 += a.capacitance_1 * (sample.port_1 - last.port_1) / dt
+    flow_1 += (a.oil_1.fixed + a.oil_1.growing * sample.position) * (sample.port_1 - last.port_1) / dt
     flow_2 = a.displacement_2 * speed + between - a.external_leakage * sample.port_2
-    flow_2 -= a.capacitance_2 * (sample.port_2 - last.port_2) / dt
+    flow_2 -= (a.oil_2.fixed + a.oil_2.growing * sample.position) * (sample.port_2 - last.port_2) / dt
     forward = sample.spool > 0.0
     way = law.forward if forward else law.backward
     drop_1 = sample.supply - sample.valve_1 if forward else sample.valve_1

@@ -20,6 +20,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add("--row", nargs="+", choices=tuple(rows), metavar="NAME", help=f"{', '.join(rows)} (default: all)")
     add("--only", nargs="+", choices=FACTORS, default=(), metavar="FACTOR", help="plants differ in it alone")
     add("--without", nargs="+", choices=FACTORS, default=(), metavar="FACTOR", help="in all but this one")
+    add("--laps", type=whole(1, 20), default=1, metavar="N", help="the last is judged (default: %(default)s)")
     add("--adapt", action="store_true", help="the valve driver learns deadbands and gains on the way")
 
 
@@ -40,8 +41,9 @@ def run(options: argparse.Namespace) -> int:
     chosen = [rows[name] for name in options.row or rows]
     for row in (each for one in chosen for each in apart(one, options.only, options.without)):
         print(f"{row.name}: {row.text}", flush=True)
-        report[row.name] = told(row, run_row(row, machine, seeds, options.adapt))
-    whole_report = {"machine": machine.name, "adapt": options.adapt, "rows": report}
+        report[row.name] = told(row, run_row(row, machine, seeds, options.adapt, options.laps))
+    protocol = {"machine": machine.name, "adapt": options.adapt, "laps": options.laps}
+    whole_report = {**protocol, "rows": report}
     write_json(options.out / "matrix.json", whole_report)
     text = table(report)
     (options.out / "matrix.md").write_text(text + "\n", encoding="utf-8")

@@ -1,9 +1,11 @@
 """Every seed's plant, sensors and joystick in every row of the matrix, over all cores.
 
-A seed's figures are the worst of its paths. Equal seeds give equal figures, whatever else is run.
+A seed's figures are the worst of its paths, each by its last lap: one lap is the first pass of a driver that
+has learnt nothing. Equal seeds give equal figures, whatever else is run.
 """
 
 import dataclasses
+import math
 import os
 from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
@@ -11,8 +13,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from forest_control.limits.load_moment import allowed_load, capacity
 from forest_control.servo.schemes import Scheme
-from forest_control.taught.tip_path import PathError
+from forest_control.taught.tip_path import PathError, TipPath
 from forest_description.machine import Machine
 from forest_msgs_py.types import PERIOD
 from forest_sim.equations.plant_parameters import PlantParameters
@@ -27,6 +30,7 @@ RATES = (200.0, 50.0)  # [Hz] of the sensors
 LATENCY = 2.5  # [1] of the joystick's periods: two of the interpolation, half of the mean wait
 BOUND_DELAY, BOUND = 0.05, 0.015  # [s], [m] of the wish error beside joystick and dead time
 ENDING = 40  # rows before a profile's end, from which the tip may be beyond it
+PLACES = 100  # of a path at which its reach is looked at: closer than 3 cm on the longest
 WAITED = 0.1  # [s] by which a run takes longer than its profile, and a limit has acted
 
 
@@ -53,6 +57,7 @@ class Outcome(NamedTuple):
 
     seed: int
     drawn: dict[str, Any]
+    overloaded: bool  # its head is heavier than the machine's file allows somewhere on the paths
     figures: Figures | None  # None: a run did not end
     paths: dict[str, Figures | None]
 
@@ -65,10 +70,13 @@ class _Plant(NamedTuple):
     every: int
     steps: float
     dead_time: float  # [s]
+    head: float  # [kg]
     told: dict[str, Any]
 
 
-def run_row(row: MatrixRow, machine: Machine, seeds: Sequence[int], adapt: bool = False) -> list[Outcome]:
+def run_row(
+    row: MatrixRow, machine: Machine, seeds: Sequence[int], adapt: bool = False, laps: int = 1
+) -> list[Outcome]:
     """Return every seed's outcome.
 
     Args:
@@ -76,6 +84,7 @@ def run_row(row: MatrixRow, machine: Machine, seeds: Sequence[int], adapt: bool 
         machine: what controller and driver believe, and what is drawn from.
         seeds: one or more.
         adapt: the driver learns its valves.
+        laps: of each path; the last is judged.
 
     Raises:
         PathError: a path leaves the machine's reach.
@@ -83,9 +92,10 @@ def run_row(row: MatrixRow, machine: Machine, seeds: Sequence[int], adapt: bool 
     """
     loop_kernel.KERNEL.kernel()  # made or loaded once, here
     courses = {
-        speed: [prepare(path, speed, Scheme.COORDINATED, machine) for path in row.paths]
+        speed: [prepare(path, speed, Scheme.COORDINATED, machine, laps) for path in row.paths]
         for speed in row.speeds
     }
+    lifted = min(least_capacity(path, machine) for path in row.paths)
 
     def one(seed: int) -> Outcome:
         plant = _plant(row, machine, seed)
@@ -93,10 +103,23 @@ def run_row(row: MatrixRow, machine: Machine, seeds: Sequence[int], adapt: bool 
             course.drawn[0].lap.path.name: _figures(course, machine, plant, seed, adapt)
             for course in courses[row.speeds[seed % len(row.speeds)]]
         }
-        return Outcome(seed, plant.told, _worst(list(paths.values())), paths)
+        return Outcome(
+            seed=seed,
+            drawn=plant.told,
+            overloaded=plant.head > lifted,
+            figures=_worst(list(paths.values())),
+            paths=paths,
+        )
 
     with ThreadPoolExecutor(len(os.sched_getaffinity(0))) as pool:
         return list(pool.map(one, seeds))
+
+
+def least_capacity(path: TipPath, machine: Machine) -> float:
+    """Return what the machine's file lets it lift everywhere on a path [kg]."""
+    places = [path.at(path.length * k / PLACES) for k in range(PLACES + 1)]
+    chart = capacity(machine)
+    return min(allowed_load(math.hypot(x, y), chart) for x, y, _ in places)
 
 
 def _plant(row: MatrixRow, machine: Machine, seed: int) -> _Plant:
@@ -112,6 +135,7 @@ def _plant(row: MatrixRow, machine: Machine, seed: int) -> _Plant:
         every=every,
         steps=STEPS if row.joystick else 0.0,
         dead_time=dead_time or 0.0,
+        head=machine.manipulator.head_mass if off.head is None else off.head,
         told=told,
     )
 
@@ -133,8 +157,8 @@ def _hand(hand: Hand, plant: _Plant) -> Hand:
 
 
 def _judged(session: Session, delay: float, speed: float) -> Figures:
-    """Return the figures of a run whose joystick and valves delay it [s], at a wished speed [m/s]."""
-    score, moved, lap = session.total, session.moved, session.drawn[0].lap
+    """Return the last lap's figures, of joystick and valves that delay it [s], at a wished speed [m/s]."""
+    score, moved, lap = session.scores[-1], session.moved, session.drawn[-1].lap
     waited = max(0.0, score.duration_s - lap.profile.duration)
     bound = 1e3 * (speed * (delay + BOUND_DELAY) + BOUND)
     volts = np.abs(np.diff(moved.voltages, axis=0)) / PERIOD
@@ -157,7 +181,7 @@ def _judged(session: Session, delay: float, speed: float) -> Figures:
 
 def _overshoot(session: Session) -> float:
     """Return how far the tip went beyond the path's end along its last direction, at most [mm]."""
-    drawn, led = session.drawn[0], session.led
+    drawn, led = session.drawn[-1], session.led
     end, before = drawn.line[-1], drawn.line[-2]
     along = (end - before) / np.linalg.norm(end - before)
     beyond = (led.moved.tip[drawn.lap.rows(led.clock)[-1] - ENDING :] - end) @ along
