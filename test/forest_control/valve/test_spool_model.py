@@ -31,7 +31,7 @@ def test_the_drivers_spool_is_the_simulated_one(lag, slew):
 
 def spools(hysteresis, dither):
     """Where the simulated spool is in motion [V], and where the driver thinks it is, up and down."""
-    settings = valve_driver_parameters.Settings(dither=dither)
+    settings = valve_driver_parameters.Settings(dither_amplitude=dither)
     p = valve_driver_parameters.parameters(REAL, settings)
     lag = SpoolLag(1.0 / p.axes[1].spool.lag, 0.0, hysteresis, p.axes[1].spool.slew)
     state, spool, seen = REST, Spool(0.0, 0.0), []
@@ -46,7 +46,7 @@ def spools(hysteresis, dither):
 
 @pytest.mark.parametrize("hysteresis", [0.0, 0.1, 0.3, 0.4])
 def test_dither_takes_out_every_hysteresis_up_to_the_files(hysteresis):
-    true, known = spools(hysteresis, 1.0).T
+    true, known = spools(hysteresis, -1.0).T
     turns = (true - known).reshape(-1, 4)  # 50 Hz at 200 Hz
     assert np.abs(turns.mean(axis=1)).max() < 0.03
     assert np.ptp(turns, axis=1).max() < 0.15

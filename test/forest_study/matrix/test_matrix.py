@@ -17,6 +17,8 @@ from forest_study.matrix import matrix_report, matrix_runs
 from forest_study.matrix.matrix_report import summary, table, told
 from forest_study.matrix.matrix_rows import FACTORS, apart, matrix_rows
 from forest_study.matrix.matrix_runs import Figures, Outcome, run_row
+from forest_study.matrix.rivals import RIVALS
+from forest_study.tracking.paths import path_named
 
 REAL, ROWS = load_machine("c180_real"), matrix_rows()
 NONE = Figures(*[0.0] * len(Figures._fields))
@@ -199,3 +201,13 @@ def test_a_machine_that_reaches_no_path_is_refused_in_one_sentence(tmp_path, cap
     out = str(tmp_path / "out")
     assert cli.main(["matrix", "--machine", "loader", "--row", "plain", "--seeds", "1", "--out", out]) == 1
     assert capsys.readouterr().err.startswith("forest-study: matrix: sweep: ")
+
+
+def test_a_rival_drives_with_its_own_settings():
+    """Open-loop joint rates lose the path where ours keeps it."""
+    row = ROWS["exact"]._replace(paths=(path_named("radial"),))
+    lost = {
+        name: run_row(row, REAL, [0], rival=RIVALS[name])[0].figures.cross_track_max_mm
+        for name in ("coordinated", "joint_velocity")
+    }
+    assert lost["coordinated"] < 3.0 < 20.0 < lost["joint_velocity"]

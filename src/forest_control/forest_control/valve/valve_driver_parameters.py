@@ -57,7 +57,9 @@ class Settings(NamedTuple):
     minimum_drop: Annotated[float, tunable("least share of pressure left", "", 0.01, 1.0)] = 0.1
     # Under 1000 V/s the way through the overlap costs time.
     slew_limit: Annotated[float, tunable("of every voltage; 0: none", "V/s", 0.0, 1e5)] = 0.0
-    dither: Annotated[float, tunable("amplitude, in halves of the file's hysteresis", "", 0.0, 2.0)] = 1.0
+    dither_amplitude: Annotated[
+        float, tunable("of the dither; negative: half the file's hysteresis", "V", -1.0, 2.0)
+    ] = -1.0
     dither_frequency: Annotated[float, tunable("of the dither", "Hz", 1.0, 100.0)] = 50.0
     adapt: Annotated[bool, tunable("learn deadband and gain of every valve and direction")] = False
     forgetting_time: Annotated[
@@ -104,7 +106,9 @@ def parameters(machine: Machine, settings: Settings) -> Parameters:
     """Return the core's parameters for a machine."""
     line, beyond = machine.tank_line, settings.compensate and settings.beyond_valve
     return Parameters(
-        axes=axis_drivers(machine, settings.beyond_valve, settings.dither if settings.compensate else 0.0),
+        axes=axis_drivers(
+            machine, settings.beyond_valve, settings.dither_amplitude if settings.compensate else 0.0
+        ),
         supply_pressure=machine.pump.supply_pressure,
         idle_pressure=machine.pump.idle_pressure,
         preload=line.preload if line is not None and beyond else 0.0,
@@ -165,7 +169,7 @@ def _axis_driver(machine: Machine, axis: int, speed: float, beyond_valve: bool, 
         slip=_slip(machine, axis),
         least_fed=_least_fed(machine, axis),
         spool=_spool(machine, axis),
-        dither=0.5 * dither * _hysteresis(machine, axis),
+        dither=dither if dither >= 0.0 else 0.5 * _hysteresis(machine, axis),
         fills=axis == 0 or machine.drives[axis].chambers is not None,
         oil_1=_oil(machine, axis, 1),
         oil_2=_oil(machine, axis, 2),

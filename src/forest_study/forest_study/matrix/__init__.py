@@ -1,6 +1,7 @@
 """The matrix: what control reaches on plants that nobody knows exactly, the worst of many seeds.
 
 - `matrix_rows`: The rows: what is driven, on which plants, and what is aimed at.
+- `rivals`: Control laws that it compares.
 - `matrix_runs`: Every seed's plant, sensors and joystick in every row, over all cores.
 - `matrix_report`: The table, and the picture of how the seeds spread.
 - `matrix_command`: `forest-study matrix`.

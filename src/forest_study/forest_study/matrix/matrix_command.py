@@ -8,6 +8,7 @@ from forest_description.machine import load_machine
 from forest_msgs_py.runtime.command_line import whole
 from forest_study.matrix.matrix_rows import FACTORS, apart, matrix_rows
 from forest_study.matrix.matrix_runs import run_row
+from forest_study.matrix.rivals import RIVALS
 from forest_study.results import StudyError, write_json
 
 
@@ -21,6 +22,14 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add("--only", nargs="+", choices=FACTORS, default=(), metavar="FACTOR", help="plants differ in it alone")
     add("--without", nargs="+", choices=FACTORS, default=(), metavar="FACTOR", help="in all but this one")
     add("--laps", type=whole(1, 20), default=1, metavar="N", help="the last is judged (default: %(default)s)")
+    add(
+        "--scheme",
+        nargs="+",
+        choices=tuple(RIVALS),
+        default=["coordinated"],
+        metavar="NAME",
+        help=f"control laws, one after the other: {', '.join(RIVALS)} (default: coordinated)",
+    )
     add("--adapt", action="store_true", help="the valve driver learns deadbands and gains on the way")
 
 
@@ -40,8 +49,11 @@ def run(options: argparse.Namespace) -> int:
     seeds, report = range(options.seed, options.seed + options.seeds), dict[str, Any]()
     chosen = [rows[name] for name in options.row or rows]
     for row in (each for one in chosen for each in apart(one, options.only, options.without)):
-        print(f"{row.name}: {row.text}", flush=True)
-        report[row.name] = told(row, run_row(row, machine, seeds, options.adapt, options.laps))
+        for name in options.scheme:
+            key = row.name if name == "coordinated" else f"{row.name}, {name}"
+            print(f"{key}: {row.text}", flush=True)
+            outcomes = run_row(row, machine, seeds, options.adapt, options.laps, RIVALS[name])
+            report[key] = told(row, outcomes)
     protocol = {"machine": machine.name, "adapt": options.adapt, "laps": options.laps}
     whole_report = {**protocol, "rows": report}
     write_json(options.out / "matrix.json", whole_report)

@@ -14,7 +14,6 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from forest_control.limits.load_moment import allowed_load, capacity
-from forest_control.servo.schemes import Scheme
 from forest_control.taught.tip_path import PathError, TipPath
 from forest_description.machine import Machine
 from forest_msgs_py.types import PERIOD
@@ -22,6 +21,7 @@ from forest_sim.equations.plant_parameters import PlantParameters
 from forest_study.closed_loop import loop_kernel, model_mismatch
 from forest_study.closed_loop.path_guide import Hand
 from forest_study.matrix.matrix_rows import MatrixRow
+from forest_study.matrix.rivals import OURS, Rival
 from forest_study.tracking.tracking import Course, Session, follow, noisy, prepare
 
 JOYSTICKS = (1, 2, 4, 10)  # [periods] between two words: 200, 100, 50, 20 Hz
@@ -75,7 +75,12 @@ class _Plant(NamedTuple):
 
 
 def run_row(
-    row: MatrixRow, machine: Machine, seeds: Sequence[int], adapt: bool = False, laps: int = 1
+    row: MatrixRow,
+    machine: Machine,
+    seeds: Sequence[int],
+    adapt: bool = False,
+    laps: int = 1,
+    rival: Rival = OURS,
 ) -> list[Outcome]:
     """Return every seed's outcome.
 
@@ -85,6 +90,7 @@ def run_row(
         seeds: one or more.
         adapt: the driver learns its valves.
         laps: of each path; the last is judged.
+        rival: the control law.
 
     Raises:
         PathError: a path leaves the machine's reach.
@@ -92,8 +98,7 @@ def run_row(
     """
     loop_kernel.KERNEL.kernel()  # made or loaded once, here
     courses = {
-        speed: [prepare(path, speed, Scheme.COORDINATED, machine, laps) for path in row.paths]
-        for speed in row.speeds
+        speed: [_course(path, speed, machine, laps, rival) for path in row.paths] for speed in row.speeds
     }
     lifted = min(least_capacity(path, machine) for path in row.paths)
 
@@ -113,6 +118,12 @@ def run_row(
 
     with ThreadPoolExecutor(len(os.sched_getaffinity(0))) as pool:
         return list(pool.map(one, seeds))
+
+
+def _course(path: TipPath, speed: float, machine: Machine, laps: int, rival: Rival) -> Course:
+    course = prepare(path, speed, rival.control.scheme, machine, laps)
+    settings = rival.control._replace(tip_speed=course.settings.tip_speed)
+    return course._replace(settings=settings, drive=rival.drive)
 
 
 def least_capacity(path: TipPath, machine: Machine) -> float:

@@ -43,6 +43,7 @@ class Course(NamedTuple):
     model: Machine  # that controller and driver believe
     places: Floats  # [K, 3] m of the profile, one a period, rests included
     hand: Hand
+    drive: valve_driver_parameters.Settings = valve_driver_parameters.Settings()
 
     @property
     def start(self) -> Vec3:
@@ -124,7 +125,7 @@ def follow(
 ) -> Session:
     """Run a course; arguments as `track`; plant: what is simulated instead of the machine's parameters."""
     start = _angles(course.start, course.drawn[0].lap.path, machine)
-    drive = valve_driver_parameters.Settings(adapt=adapt)
+    drive = course.drive._replace(adapt=adapt)
     for most in LONGEST:
         rows = np.ones((round(most * len(course.places)), 4))
         given = (machine, rows, start, course.settings, drive, course.model, suite, plant)
