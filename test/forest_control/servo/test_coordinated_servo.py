@@ -10,7 +10,6 @@ from forest_control.pipeline import control_state
 from forest_control.pipeline.control_state import Inputs
 from forest_control.pipeline.controller import step
 from forest_control.servo import coordinated_servo
-from forest_control.servo.inching import ARRIVED
 from forest_control.servo.schemes import Gains, Scheme, Signals, coordinated
 from forest_description.geometry.kinematics import inverse_kinematics, tip_position
 from forest_description.machine import load_machine
@@ -51,11 +50,11 @@ def test_the_reference_is_the_integral_of_the_governed_wish_without_drift():
     assert tip_position(state.reference, LINKS) == pytest.approx(place, abs=1e-4)
 
 
-def test_a_joint_that_has_come_to_rest_is_left_alone_until_its_error_has_grown():
+def test_a_resting_joint_holds_until_its_error_has_grown():
     c, memory = P.coordinated, coordinated_servo.REST
-    for count in range(280):
+    for _ in range(200):
         memory, u = coordinated_servo.servo(memory, ZERO, (2.5e-4, 0.0, 0.0), ZERO, ZERO, ZERO, c, PERIOD)
-        assert count * PERIOD <= ARRIVED or u == (HELD, HELD, HELD)
+        assert u == (HELD, HELD, HELD)
         assert coordinated_servo.inches(memory) == ZERO
     asked = 0.0
     for _ in range(100):
@@ -66,6 +65,15 @@ def test_a_joint_that_has_come_to_rest_is_left_alone_until_its_error_has_grown()
     assert coordinated_servo.inches(memory)[1:] == (0.0, 0.0)
 
 
+def test_a_joint_holds_while_only_others_are_wished_to_move():
+    c, memory, a = P.coordinated, coordinated_servo.REST, (0.0, 0.1, 0.0)
+    for _ in range(4000):
+        memory, u = coordinated_servo.servo(memory, a, (5e-5, 0.0, 0.0), ZERO, ZERO, ZERO, c, PERIOD)
+        assert u[0] == HELD
+        assert u[1] > 0.0
+    assert memory.swing.w == 0.0  # for nothing that it could do
+
+
 def test_the_integral_of_a_resting_joint_winds_up_only_while_its_valve_is_open():
     c, r = P.coordinated, (1e-3, 0.0, 0.0)
     gathered = {}
@@ -74,8 +82,8 @@ def test_the_integral_of_a_resting_joint_winds_up_only_while_its_valve_is_open()
         for _ in range(2000):
             memory, _ = coordinated_servo.servo(memory, a, r, ZERO, ZERO, (volts, 0.0, 0.0), c, PERIOD)
         gathered[volts] = memory.swing.w
-    assert gathered[0.0] == 0.0
-    assert gathered[1.1] > 1e-2
+    assert 0.0 < gathered[0.0] <= coordinated_servo.MOST_GATHERED
+    assert gathered[1.1] > 5.0 * coordinated_servo.MOST_GATHERED
     memory, u = coordinated_servo.servo(memory, ZERO, ZERO, ZERO, ZERO, ZERO, c, PERIOD)
     for _ in range(200):
         memory, u = coordinated_servo.servo(memory, ZERO, ZERO, ZERO, ZERO, ZERO, c, PERIOD)

@@ -55,12 +55,12 @@ def test_a_cylinder_slows_down_by_its_stroke_and_does_not_overshoot(machine, joi
 
 
 def test_the_loaders_swing_is_fed_what_its_hoses_take_and_its_pump_leaves():
-    """Of the directions that it swings in, the worst: 17 mm beside the line without that."""
+    """Of the directions that it swings in, the worst: 31 mm beside the line without that."""
     along = np.array((0.0, -1.0, -1.0)) / math.sqrt(2.0)
     levers = levers_for_tip_velocity(tuple(along.tolist()), 1.0)
     moved, _ = pushed(LOADER, levers, controller_settings.Settings(tip_speed=1.0), 1.0)
     way = moved.tip - moved.tip[0]
-    assert np.linalg.norm(way - np.outer(way @ along, along), axis=1).max() < 0.0145
+    assert np.linalg.norm(way - np.outer(way @ along, along), axis=1).max() < 0.019
 
 
 def test_in_all_26_directions_at_full_speed_the_tip_keeps_its_line_and_arrives():

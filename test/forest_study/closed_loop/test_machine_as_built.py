@@ -36,7 +36,7 @@ def score(path, unknown=""):
     return track(path_named(path), 0.5, Scheme.COORDINATED, REAL, model, noisy(REAL, 0)).total
 
 
-@pytest.mark.parametrize(("path", "most"), [("vertical", 1.1), ("sweep", 6.6)])
+@pytest.mark.parametrize(("path", "most"), [("vertical", 1.3), ("sweep", 6.6)])
 def test_hysteresis_is_compensated(path, most):
     assert score(path).governed_rms_mm < most
     assert score(path, "hysteresis").governed_rms_mm > 3.0 * most
@@ -54,5 +54,5 @@ def test_the_lead_makes_up_for_a_dead_time():
 
 
 def test_the_oil_that_a_growing_load_takes_up_is_fed_forward():
-    assert score("vertical").governed_max_mm < 2.6
+    assert score("vertical").governed_max_mm < 3.6
     assert score("vertical", "chambers").governed_max_mm > 4.0

@@ -8,6 +8,7 @@ import pytest
 
 pytest.importorskip("llvmlite")
 
+from forest_control.servo.schemes import Scheme
 from forest_description.machine import load_machine
 from forest_msgs_py.types import PERIOD
 from forest_sim.equations.plant_parameters import plant_parameters
@@ -114,7 +115,7 @@ def test_the_last_lap_is_judged_by_which_the_driver_has_learnt(inches):
 
 
 def test_an_inch_takes_half_a_second():
-    course = matrix_runs.prepare(ROWS["inch"].paths[0], 0.05, matrix_runs.Scheme.COORDINATED, REAL)
+    course = matrix_runs.prepare(ROWS["inch"].paths[0], 0.05, Scheme.COORDINATED, REAL)
     assert course.drawn[0].lap.profile.duration == pytest.approx(0.5, rel=5e-3)
 
 
@@ -138,7 +139,7 @@ class Led:
 
 @pytest.fixture
 def judged(monkeypatch):
-    course = matrix_runs.prepare(ROWS["inch"].paths[0], 0.05, matrix_runs.Scheme.COORDINATED, REAL)
+    course = matrix_runs.prepare(ROWS["inch"].paths[0], 0.05, Scheme.COORDINATED, REAL)
     led = Led(course.drawn[0], 0.1)
     session = matrix_runs.Session(course.drawn, led, *matrix_runs_scores(course, led))
     return matrix_runs._judged(session, 0.02, 0.05)

@@ -28,6 +28,8 @@ from forest_msgs_py.runtime.parameter_table import tunable
 
 SMOOTHING = 0.01  # [s] time constant of the reference's acceleration: two periods; chosen
 INTEGRAL_LIMIT = 0.1  # [rad/s] of the integral: more than the error of any valve
+HOLD_ERROR = 1.5e-4  # [rad] at which a resting joint holds, 1 mm of the tip: above the resolvers' jitter
+RELEASE_ERROR = 3e-4  # [rad] at which it moves again: 2 mm of the tip
 INCH = 0.03  # [1] of the rated speed, for an inch: over the command's noise; chosen
 OVER_NOISE = 1.25  # [1] times the command's noise, at the least: the driver must take an inch for motion
 CLOSEST = 0.03  # [1] of the arm's length: how near the tip comes to the swing axis in tip schemes; chosen
@@ -162,6 +164,8 @@ def parameters(machine: Machine, settings: Settings, workspace: Workspace = OPEN
             smoothing=SMOOTHING,
             acceleration=settings.tip_acceleration,
             integral_limit=INTEGRAL_LIMIT,
+            hold_error=HOLD_ERROR,
+            release_error=RELEASE_ERROR,
             inches=(_inch(machine, 0), _inch(machine, 1), _inch(machine, 2)),
             free_ways=(0.0 if machine.swing.backlash is None else machine.swing.backlash.free_way, 0.0, 0.0),
             linkages=machine.linkages,

@@ -21,7 +21,6 @@ from forest_control.servo.schemes import Scheme, Signals, advanced, closes_on_po
 from forest_description.geometry.kinematics import tip_velocity
 from forest_description.types import ZERO, Vec3
 
-HOLD = 3e-4  # [rad] of the low-passed error up to which such a joint rests: 2 mm of the tip, over the noise
 NEAR = 0.002  # [rad] of the reference, where a position servo at rest may leave its valve shut
 
 
@@ -80,8 +79,7 @@ def _joint_servo(
 ) -> tuple[Joint, float]:
     """Return one joint's memory and rate [rad/s]; where it rests at its reference, its valve stays shut."""
     s, v = inputs.angles[i], inputs.rates[i]
-    seen = coordinated_servo.low_passed(memory.error, r[i] - s, dt)
-    holds = still and abs(seen) < HOLD and abs(r[i] - s) < NEAR
+    seen, holds = coordinated_servo.held(memory, r[i] - s, still, p.coordinated, dt)
     signals = Signals(a=a, b=0.0, r=r[i], s=s, v=v, w=0.0)
-    u = 0.0 if holds else servo(p.scheme, signals, p.gains[i])
-    return Joint(a=a, error=seen), u
+    u = 0.0 if holds and abs(r[i] - s) < NEAR else servo(p.scheme, signals, p.gains[i])
+    return Joint(a=a, error=seen, holding=holds), u

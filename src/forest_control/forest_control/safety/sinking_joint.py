@@ -18,9 +18,9 @@ from forest_control.config.controller_settings import Parameters
 from forest_description.types import AXES, ZERO, Vec3
 
 WAY = 0.005  # [rad] 30 mm of the tip at 6 m; a joint that turns round under a lagging valve goes less
-LONG = (0.5, 0.11, 0.11)  # [s] in which oil turns a joint round; a swing rocks slowly on its hoses
+LONG = (0.5, 0.1, 0.1)  # [s] in which oil turns a joint round; a swing rocks slowly on its hoses
 LAGS = 1.0  # [1] time constants of its spool until a valve counts as open as its voltage; chosen
-OPEN = 0.5  # [1] of the way from the overlap's edge to the rated voltage: small openings are leakage's
+OPEN = 0.4  # [1] of the way from the overlap's edge to the rated voltage: small openings are leakage's
 
 
 class Sinking(NamedTuple):

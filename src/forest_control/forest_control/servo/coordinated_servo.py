@@ -30,6 +30,7 @@ from forest_description.types import ZERO, Vec3
 
 REST_RATE = 1e-4  # [rad/s] a reference slower than this rests: 0.6 mm/s of the tip; chosen
 HELD = 1e-9  # [rad/s] command to a joint that holds: no motion, but the driver may feed its leakage
+MOST_GATHERED = 2e-3  # [rad/s] of the integral at rest, while the valve is shut; chosen, not measured
 HIGHEST_ACCELERATION = 2.0  # [rad/s^2] of b: a jump of the velocity scaling must not kick the valves; chosen
 MOST_SAMPLES = 50  # [1] in the mean pose that the reference starts from: 0.25 s at rest
 
@@ -45,6 +46,8 @@ class CoordinationParameters(NamedTuple):
     smoothing: float  # [s] of b
     acceleration: float  # [m/s^2] of the tip's reference
     integral_limit: float  # [rad/s]
+    hold_error: float  # [rad] a resting joint this near holds
+    release_error: float  # [rad] and moves again beyond this
     inches: Vec3  # [rad/s, m/s, m/s] speeds of the actuators while a resting joint is inched
     free_ways: Vec3  # [rad] of the gears
     linkages: Linkages
@@ -57,6 +60,7 @@ class Joint(NamedTuple):
     b: float = 0.0  # [rad/s^2]
     w: float = 0.0  # [rad/s]
     error: float = 0.0  # r - s, low-passed [rad]
+    holding: bool = True
     gathered: float = 0.0  # part of w that was gathered at rest [rad/s]
     inching: Inching = MOVING
 
@@ -171,9 +175,13 @@ def _rests(memory: Joint, a: float) -> bool:
     return max(abs(a), abs(memory.a)) < REST_RATE
 
 
-def low_passed(before: float, error: float, dt: float) -> float:
-    """Return the filtered error r - s [rad], dt [s] later."""
-    return before + (1.0 - math.exp(-dt / ERROR_LAG)) * (error - before)
+def held(
+    memory: Joint, error: float, still: bool, p: CoordinationParameters, dt: float
+) -> tuple[float, bool]:
+    """Return the filtered error r - s [rad], and whether the valve may stay shut."""
+    filtered = memory.error + (1.0 - math.exp(-dt / ERROR_LAG)) * (error - memory.error)
+    near = abs(filtered) < (p.release_error if memory.holding else p.hold_error)
+    return filtered, still and (near or (not memory.holding and filtered * memory.error < 0.0))
 
 
 def _joint_servo(
@@ -198,25 +206,59 @@ def _joint_servo(
         p: parameters.
         dt: [s].
     """
+    # A valve that is open, to feed what leaks, is better served by the servo than by holding.
     error, still = x.r - x.s, all_rest or (shut and _rests(memory, x.a))
-    filtered = low_passed(memory.error, error, dt)
-    # What the integral has learnt of the valve at speed is kept at rest. There it only learns what leaks.
-    step, at_speed = dt * p.integral[i] * error, memory.w - memory.gathered
-    gathered = memory.gathered if still and not shut else 0.0
+    filtered, holds = held(memory, error, still, p, dt)
     if all_rest and is_due(memory.inching, shut):
-        inching = inched(memory.inching, error, shut, abs(inch), p.free_ways[i], dt)
-        memory = memory._replace(a=x.a, b=x.b, w=at_speed + gathered, gathered=gathered)
-        return memory._replace(error=filtered, inching=inching), HELD
-    gathered += step if still and not shut else 0.0
-    grown = at_speed + gathered if still else memory.w + step
+        kept = 0.0 if shut else memory.gathered
+        w, inching = (
+            memory.w - memory.gathered + kept,
+            inched(memory.inching, error, shut, abs(inch), p.free_ways[i], dt),
+        )
+        return Joint(
+            a=x.a,
+            b=x.b,
+            w=w,
+            error=filtered,
+            holding=True,
+            gathered=kept,
+            inching=inching,
+        ), HELD
+    gathered = _gathered(memory, dt * p.integral[i] * error, still, holds, shut)
+    # What the integral has learnt of the valve at speed is kept while the joint holds.
+    grown = memory.w - memory.gathered + gathered if still else memory.w + dt * p.integral[i] * error
     w = max(-p.integral_limit, min(p.integral_limit, grown))
     part = x.a / FULL_RATE
     quick = 1.0 if i == 0 else min(1.0, part * part)
     # At rest there is time for less noise.
     fed_back = filtered if still and shut else filtered + quick * (error - filtered)
-    u = coordinated(x._replace(s=x.r - fed_back, w=x.w + w), p.gains[i])
+    u = HELD if holds else coordinated(x._replace(s=x.r - fed_back, w=x.w + w), p.gains[i])
     inching = served(memory.inching, dt) if all_rest else MOVING
-    return Joint(a=x.a, b=x.b, w=w, error=filtered, gathered=gathered, inching=inching), u
+    return Joint(
+        a=x.a,
+        b=x.b,
+        w=w,
+        error=filtered,
+        holding=holds,
+        gathered=gathered,
+        inching=inching,
+    ), u
+
+
+def _gathered(memory: Joint, step: float, still: bool, holds: bool, shut: bool) -> float:
+    """Return what the integral has gathered at rest [rad/s].
+
+    It counts in full while the valve is open to feed leakage. A valve that is shut it only helps to
+    open: more would open it wide, and the other way once the joint has moved.
+    """
+    before = memory.gathered
+    if not still or (holds and shut):
+        return 0.0
+    if holds:
+        return before
+    if not shut:
+        return before + step
+    return max(min(before, -MOST_GATHERED), min(max(before, MOST_GATHERED), before + step))
 
 
 def _smooth_acceleration(

@@ -35,7 +35,11 @@ from forest_description.machine import Machine
 from forest_description.types import Complexes, Floats, Vec3
 from forest_msgs_py.types import PERIOD
 
-HIGHEST_GAIN = 5.0  # [1/s] of K_p: `NOISY_SERVO` allows for the sensors' noise through this, not through more
+HIGHEST_GAIN = (
+    4.0,
+    5.0,
+    5.0,
+)  # [1/s] of K_p: noise of a slow swing, which no low-pass takes, crosses its overlap
 STEP = 0.25  # [1/s] in which K_p is looked for, and the least: a twentieth of the highest
 AMPLIFICATION = 1.8  # [1] greatest |1/(1 + L)|: at least 7 dB and 32 degrees, under the usual 2
 INTEGRAL_SHARE = (
@@ -124,7 +128,7 @@ def _feedback(machine: Machine, axis: int, damping: float) -> float:
         for rate in (speed / _radius(machine, q, axis) for speed in TIP_SPEEDS)
     ]
     borne = STEP
-    while borne + STEP <= HIGHEST_GAIN:
+    while borne + STEP <= HIGHEST_GAIN[axis]:
         tried = borne + STEP
         for rate, plant in motions:
             loop = servo_response(tried, integral(tried, axis), damping, axis, rate, s) * plant

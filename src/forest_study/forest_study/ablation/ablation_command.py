@@ -16,11 +16,13 @@ from forest_study.results import StudyError, write_json
 NOTHING = "nothing"
 MECHANISMS: dict[str, Changes] = {
     NOTHING: {},
+    "holding": {f"config.controller_settings.{name}_ERROR": 0.0 for name in ("HOLD", "RELEASE")},
     "inching": {"servo.inching.ARRIVED": 1e9},
     "stronger inches": {"servo.inching.STRONGEST": 1.0},
     "hold zone": {"valve_driver.hold_zone": 0.0},
     "zone that doubles": {"valve.valve_hold.WIDEST": 1.0},
     "low-pass of the error": {"servo.coordinated_servo.ERROR_LAG": 1e-6},
+    "integral at rest": {"servo.coordinated_servo.MOST_GATHERED": 0.0},
     "nothing, with adaptation": {"valve_driver.adapt": True},
     "search, with adaptation": {"valve_driver.adapt": True, "valve.valve_adaptation.SEARCH": 0.0},
 }

@@ -21,6 +21,8 @@ from forest_study.ablation.pushes import misjudged
 from forest_study.closed_loop.closed_loop import Operator, run
 
 BARE: Changes = {
+    "config.controller_settings.HOLD_ERROR": 0.0,
+    "config.controller_settings.RELEASE_ERROR": 0.0,
     "servo.inching.ARRIVED": 1e9,
     "valve_driver.hold_zone": 0.0,
     "valve.valve_hold.WIDEST": 1.0,
