@@ -192,7 +192,7 @@ def test_a_setting_is_switched_and_a_refusal_is_the_nodes_own_sentence(page):
     field = page.locator("#settings .row:visible input")
     field.fill("3, 4, 500")
     field.press("Enter")
-    page.wait_for_selector("#settings .answer[data-ok=false]:text('allowed: 0 .. 30 1/s')")
+    page.wait_for_selector("#settings .answer[data-ok=false]:text('allowed: -1 .. 30 1/s')")
 
 
 def test_a_recording_is_made_marked_and_readable(page, bags, capsys):

@@ -5,7 +5,7 @@
 | coordinated | ours |
 | flow_pi | practice: flow fed forward through the valve's static map, PI on each joint's position |
 | joint_velocity | rates J^-1 x' of the measured pose, open loop to the valves, as MoveIt Servo sends |
-| jacobian_velocity, jacobian_position | the thesis' (c) and (d), Thesis fig. 5.2 |
+| jacobian_velocity, jacobian_position | the thesis' (c) and (d), see `schemes` |
 
 All know the valves' overlaps and gains, else none would move the crane slowly. `flow_pi` has the gains of the
 same rule as ours, and keeps our feed-forward of the oil's compression, which flatters it.
