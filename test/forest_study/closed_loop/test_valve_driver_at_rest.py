@@ -113,7 +113,7 @@ def test_nothing_chatters_after_the_deadman_was_let_go_and_pressed_again(name):
 
 
 def test_a_swing_with_backlash_is_left_alone_within_half_its_free_way():
-    """Hysteresis, a bearing that sticks, a gear with play: from 4 s on one of these pushes has one opening."""
+    """Hysteresis, a bearing that sticks, a gear with play: from 4 s on, one of 20 opens once."""
     real = load_machine("c180_real")
     unknown = dataclasses.replace(real, swing=dataclasses.replace(real.swing, backlash=None))
     moving = {True: 0, False: 0}
