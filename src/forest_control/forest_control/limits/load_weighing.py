@@ -42,7 +42,7 @@ Pressures = tuple[float, float]
 
 AVERAGED = 0.1  # [s] T_1: over the first mode of boom and hoses, 8 Hz
 SETTLED = 1.0  # [s] T_2: over the rocking of a boom under a load, 2 Hz, and half a sway of its head; chosen
-RELEASED = 10.0  # [s] T_3: over several periods of a heavy load's rocking, 1 s; a dropped load frees in 1 s
+RELEASED = 10.0  # [s] T_3: over several periods of a heavy load's rocking, 1 s; no other was tried
 SLIDES = 0.006  # [m/s] of a cylinder from which its friction is known: over the noise of its speed; chosen
 LEAST_LEVER = 1.0  # [m] x under which nothing is weighed: there a load hardly turns the boom
 UNREAD: Pressures = (math.nan, math.nan)  # [Pa] where nobody measures them
