@@ -55,7 +55,7 @@ def test_within_the_overlap_a_valve_is_shut_and_beyond_it_open():
 def test_what_rocks_on_its_oil_or_leaks_is_not_named():
     assert not runs_away(after(5.0, lambda t: (0.4 * math.sin(2.0 * math.pi * 1.4 * t), 0.0, 0.0)))
     assert not runs_away(after(60.0, lambda _t: (0.049, 0.0, 0.0)))
-    assert runs_away(after(60.0, lambda _t: (0.051, 0.0, 0.0)))
+    assert runs_away(after(60.0, lambda _t: (0.05, 0.0, 0.0)))
 
 
 def test_a_joint_that_turns_round_begins_anew():
@@ -65,6 +65,22 @@ def test_a_joint_that_turns_round_begins_anew():
     assert back.times[0] == PERIOD
     assert not runs_away(after(0.38, lambda _t: (-0.3, 0.0, 0.0), before=back))
     assert runs_away(after(0.41, lambda _t: (-0.3, 0.0, 0.0), before=back))
+
+
+@pytest.mark.parametrize("rates", [(0.0499, 0.0, 0.0), ZERO])
+def test_a_joint_that_stands_or_creeps_begins_anew(rates):
+    assert watched(after(0.39, lambda _t: (0.3, 0.0, 0.0)), rates, ZERO, P, PERIOD) == Runaway()
+
+
+def test_each_side_of_a_valve_has_its_own_overlap():
+    axes = P.speed_limits.axes
+    law = axes[0].valve
+    wide = law._replace(backward=law.backward._replace(deadband_voltage=2.0))
+    uneven = axes[0]._replace(valve=wide)
+    p = P._replace(speed_limits=P.speed_limits._replace(axes=(uneven, *axes[1:])))
+    for volts, shut in ((EDGE, True), (EDGE + 0.5, False), (-EDGE - 0.5, True), (-2.1, False)):
+        gone = watched(Runaway(), (0.3, 0.0, 0.0), (volts, 0.0, 0.0), p, PERIOD)
+        assert (gone != Runaway()) == shut
 
 
 def test_zero_volts_are_shut_whatever_the_edges_are():
