@@ -322,6 +322,7 @@ def test_a_load_that_drives_a_joint_back_stops_the_crane_until_the_deadman_was_l
     for _ in range(100):  # centred levers alone, as in taught work, are no act of a person
         waiting = rig.once()
         assert (waiting.verdict, waiting.cause, waiting.overloaded) == (Verdict.HOLD, Cause.OVERLOAD, True)
+        assert waiting.believed  # the tip is held where it is
     rig.held = False
     let_go = rig.once()
     assert (let_go.verdict, let_go.cause, let_go.overloaded) == (Verdict.HOLD, Cause.OPERATOR, True)
@@ -356,9 +357,17 @@ def test_sensors_without_noise_are_not_judged_by_standing_still(rig):
 def test_a_loop_begins_with_the_deadman_held_and_the_levers_centred():
     watch = armed_watch()
     assert (watch.armed, watch.held, watch.levers) == (True, True, REST)
+    assert (watch.fresh_since, watch.moved) == (-PERIOD, -PERIOD)
+    assert (watch.heartbeat, watch.repeats) == (0, False)
     state = MachineState(ANGLES, ZERO, PERIOD_NS, 0.0)
     pushed = watch._replace(levers=PUSHED)
     _, decision = decide(
         Permission(joystick=pushed), state, DriverSample(), ZERO, P, PermissionParameters(), 0.0, NOBODY
     )
     assert decision.verdict == Verdict.MOVE
+
+
+def test_no_two_verdicts_or_causes_are_one():
+    """Members of an enumeration with equal numbers would be the same."""
+    assert [int(verdict) for verdict in Verdict] == [0, 1, 2, 3]
+    assert [int(cause) for cause in Cause] == list(range(10))

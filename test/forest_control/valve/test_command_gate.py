@@ -38,7 +38,13 @@ def test_a_good_command_makes_the_driver_step(gate):
     assert not gate.is_lost()
 
 
+def test_no_two_verdicts_are_one():
+    """Members of an enumeration with equal numbers would be the same."""
+    assert [int(verdict) for verdict in Verdict] == [0, 1, 2, 3]
+
+
 def test_before_the_first_command_it_is_lost(gate):
+    assert gate.problem == ""
     assert gate.is_lost()
     assert gate.against_reset() == ""
 

@@ -10,7 +10,7 @@ from forest_study import cli
 from forest_study.faults import faults_command
 from forest_study.faults.catalogue import FAULTS
 from forest_study.faults.fault import Bound, State
-from forest_study.faults.fault_report import broken, table
+from forest_study.faults.fault_report import broken, table, worst
 from forest_study.faults.trials import Outcome, trial
 
 MACHINE = load_machine("c180_real")
@@ -80,12 +80,17 @@ def test_what_keeps_every_bound_breaks_none():
 
 def test_the_table_shows_the_worst_seed_and_marks_what_is_beyond_its_bound():
     fault = FAULTS["states lost"]._replace(bounds={State.MOTION: Bound(zero=0.2, told="x")})
-    cells = {("a", State.MOTION): [WELL, WELL._replace(zero=0.15)]}
-    row = table({"a": fault}, cells).splitlines()[-1]
-    assert "| zero in 0.2 s |" in row
-    assert "| 0.15 s |" in row
-    worse = {("a", State.MOTION): [WELL, WELL._replace(zero=math.inf)]}
-    assert "| **moves on** |" in table({"a": fault}, worse)
+
+    def row(*outcomes):
+        return table({"a": fault}, {("a", State.MOTION): worst(outcomes)}).splitlines()[-1]
+
+    assert "| zero in 0.2 s |" in row(WELL)
+    assert "| 0.15 s |" in row(WELL, WELL._replace(zero=0.15))
+    assert "| **moves on** |" in row(WELL, WELL._replace(zero=math.inf))
+    assert "| **0.10 s** |" in row(WELL, WELL._replace(restarted=True))
+    assert row(WELL).endswith("| x: y |")
+    assert row(WELL, WELL._replace(told="")).endswith("| x: y; or nothing |")
+    assert row(WELL._replace(told="")).endswith("| nothing |")
 
 
 def test_the_command_writes_the_page_and_fails_where_a_bound_is_broken(tmp_path, monkeypatch, capsys):

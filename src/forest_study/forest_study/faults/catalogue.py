@@ -102,17 +102,18 @@ CLOCKS_AND_LINKS = {
     "machine's clock + 1 h": Fault(
         "stamps of the state jump ahead",
         "Periods are clipped. Back again, states are of the past: zero after 0.1 s, centred levers.",
-        _off(0.06, 0.06),
+        _off(0.06, 0.06) | {State.EXPERIMENT: Bound(off=0.06, again=False)},
         stamp=wires.ahead,
     ),
     "machine's clock - 1 h": Fault(
         "stamps of the state jump back",
-        "States of the past: `state_timeout`, 0.1 s.",
+        "States of the past: `state_timeout`, 0.1 s. Then they are believed; a taught cycle stays paused.",
         _state(
             HEARD._replace(told="joint state: the stamp goes back"),
             Bound(zero=0.11, told=NO_STATE),
             "joint state: the stamp goes back",
-        ),
+        )
+        | {State.TAUGHT: Bound(way=0.15, told="joint state: the stamp goes back")},
         stamp=wires.behind,
     ),
     "machine's clock stands": Fault(
@@ -130,7 +131,7 @@ CLOCKS_AND_LINKS = {
         "`state_timeout`, 0.1 s.",
         _state(
             HEARD._replace(told="no ", told_within=0.11),
-            Bound(zero=0.11, told=NO_STATE, told_within=0.11),
+            Bound(zero=0.11, told=(NO_STATE, "no command"), told_within=0.11),
             "no ",
         ),
         state_lost=wires.lost,
@@ -203,8 +204,9 @@ SENSORS = {
     ),
     "resolver frozen": Fault(
         "one repeats its last reading",
-        "Seen once its joint was told to go 0.02 rad; a joint that is hardly driven is not missed.",
-        _state(Bound(way=0.45), Bound(zero=1.0)),
+        "Seen once its joint was told to go 0.02 rad. In taught work centred sticks arm again: the cycle"
+        " stays paused, but the tip is held by a wrong angle: gap.",
+        _state(Bound(way=0.45), Bound(zero=1.0)) | {State.TAUGHT: Bound(way=0.45, held=True)},
         sensors="{axis}_resolver: frozen",
     ),
     "resolver drops half": Fault(
@@ -218,13 +220,13 @@ SENSORS = {
     "resolver off by 2 degrees": Fault(
         "one reads too much",
         UNSEEN + " The tip follows the reading, by 0.2 m at 6 m, and a jump of it throws the tip.",
-        _off(0.9, 0.4),
+        same(Bound(off=0.9, again=False, held=True), HELD) | {State.EXPERIMENT: Bound(off=0.4)},
         sensors="{axis}_resolver: bias 2 deg",
     ),
     "resolver noise x 100": Fault(
         "one has a hundred times its noise",
         "Rates beyond 5 rad/s are refused one by one, and told. Between them the crane shakes: gap.",
-        _off(1.3, 0.4) | {State.STANDING: Bound(off=0.1, told=STATE_BAD, again=False)},
+        same(Bound(off=1.3, again=False, held=True), HELD) | {State.EXPERIMENT: Bound(off=0.4)},
         sensors="{axis}_resolver: noise 10000 %",
     ),
     "resolvers swapped": Fault(

@@ -56,6 +56,7 @@ class Bound(NamedTuple):
     told: str | tuple[str, ...] = ""  # how the sentence begins that the operator is told; "": none is asked
     told_within: float = math.inf  # [s]
     again: bool = True  # after a deliberate act the healed crane moves
+    held: bool = False  # healed, the tip is held again, and led back, though nobody has acted: a gap
 
 
 def passed(_moment: Moment, what: Any) -> Any:

@@ -47,7 +47,8 @@ outlives its graph, and none prints a traceback.
 
 {reasons}
 """
-Cells = Mapping[tuple[str, State], Sequence[Outcome]]
+Found = Mapping[str, Any]  # of a cell, as `worst` tells it
+Cells = Mapping[tuple[str, State], Found]
 STATES = tuple(State)
 NUMBER = re.compile(r"-?\d+\.\d+")
 
@@ -55,7 +56,7 @@ NUMBER = re.compile(r"-?\d+\.\d+")
 def broken(bound: Bound, outcome: Outcome) -> list[str]:
     """Return what a seed breaks of a bound, in sentences."""
     found = []
-    if outcome.restarted:
+    if outcome.restarted and not bound.held:
         found.append("it moved again without a deliberate act")
     if bound.zero is not None and outcome.zero > bound.zero:
         found.append(f"zero voltage after {outcome.zero:.2f} s; allowed: {bound.zero:g} s")
@@ -81,7 +82,7 @@ def worst(outcomes: Sequence[Outcome]) -> dict[str, Any]:
         "speed_m_s": max(one.speed for one in outcomes),
         "told_after_s": max(one.told_after for one in outcomes),
         "restarted": sum(one.restarted for one in outcomes),
-        "told": sorted({NUMBER.sub("#", one.told) for one in outcomes}),
+        "told": sorted({NUMBER.sub("…", one.told) for one in outcomes}),
         "seeds": [one.seed for one in outcomes],
     }
 
@@ -140,29 +141,29 @@ def _asked(bound: Bound) -> str:
     return ", ".join(parts) or "is no fault of this state"
 
 
-def _cell(bound: Bound, outcomes: Sequence[Outcome]) -> str:
+def _cell(bound: Bound, found: Found) -> str:
     """Return a cell: the worst of what is bounded."""
-    found = worst(outcomes)
+    beyond = found["restarted"] > 0 and not bound.held
     parts = []
-    if bound.zero is not None:
-        parts.append("moves on" if math.isinf(found["zero_s"]) else f"{found['zero_s']:.2f} s")
-    if bound.way is not None:
-        parts.append(f"{1e3 * found['way_m']:.0f} mm")
-    if bound.off is not None:
-        parts.append(f"off {1e3 * found['off_m']:.0f} mm")
-    if bound.speed is not None:
-        parts.append(f"{found['speed_m_s']:.2f} m/s")
-    text = ", ".join(parts)
-    return f"**{text}**" if any(broken(bound, one) for one in outcomes) else text
+    for key, allowed, text in (
+        ("zero_s", bound.zero, "{:.2f} s"),
+        ("way_m", bound.way, "{:.3f} m"),
+        ("off_m", bound.off, "off {:.3f} m"),
+        ("speed_m_s", bound.speed, "{:.2f} m/s"),
+    ):
+        if allowed is not None:
+            value = found[key]
+            beyond = beyond or value > allowed
+            parts.append("moves on" if math.isinf(value) else text.format(value))
+    shown = ", ".join(parts) or "moves on"
+    return f"**{shown}**" if beyond else shown
 
 
 def _told(name: str, cells: Cells) -> str:
-    said = [
-        NUMBER.sub("…", one.told) for (fault, _), found in cells.items() if fault == name for one in found
-    ]
+    """Return the sentences that were told, the numbers left out; most states share one."""
+    said = [text for (fault, _), found in cells.items() if fault == name for text in found["told"]]
     named = [text for text in said if text]
     if not named:
         return "nothing"
-    text = max(sorted(set(named)), key=named.count)
-    silent = "" if len(named) == len(said) else f" ({len(said) - len(named)} of {len(said)} runs: nothing)"
-    return f"{text}{silent}".replace("|", "/")
+    first = max(sorted(set(named)), key=named.count)
+    return f"{first}{'' if len(named) == len(said) else '; or nothing'}".replace("|", "/")

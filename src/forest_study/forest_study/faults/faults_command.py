@@ -81,18 +81,17 @@ class Study:
         """Write page and figures; return what breaks a bound, in sentences."""
         failures = [
             f"{name}, {state.value}, seed {one.seed}: {text}"
-            for (name, state), found in self.cells.items()
-            for one in found
+            for (name, state), outcomes in self.cells.items()
+            for one in outcomes
             for text in broken(FAULTS[name].bounds[state], one)
         ]
         failures += [text for one in self.live for text in live.broken(one)]
         report: dict[str, Any] = {"machine": self._machine, "seeds": self._seeds, "broken": failures}
-        report["cells"] = {
-            f"{name}, {state.value}": worst(found) for (name, state), found in self.cells.items()
-        }
+        found = {place: worst(outcomes) for place, outcomes in self.cells.items()}
+        report["cells"] = {f"{name}, {state.value}": of for (name, state), of in found.items()}
         report["live"] = [one._asdict() for one in self.live]
         write_json(self._out / "faults.json", report)
         signals = live.table(self.live) if self.live else NOT_LIVE
-        text = page(self._machine, self._seeds, FAULTS, self.cells, signals)
+        text = page(self._machine, self._seeds, FAULTS, found, signals)
         (self._out / "faults.md").write_text(text, encoding="utf-8")
         return failures
