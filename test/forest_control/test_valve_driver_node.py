@@ -23,6 +23,7 @@ COMMAND = (2.0, -3.0, 0.5)
 ZERO = (0.0, 0.0, 0.0)
 # A driver that follows the load fast, and forgets it only if we are held up for long: it would begin again.
 LOADED = ("-p", "load_bandwidth:=50.0", "-p", "command_timeout:=0.2", "-p", "pressure_timeout:=0.5")
+STALLED = 0.25  # [s] less than the driver bears
 MARGIN = 0.5  # [s] for a busy machine, beside the timeouts
 
 
@@ -68,8 +69,10 @@ class Rig:
         return self
 
     def say(self, now):
+        """After a stall of ours say zero first, as a controller does: the driver waits for that."""
+        stalled = bool(self.said) and now * 1e-9 - self.said[-1] > STALLED
         self.said.append(now * 1e-9)
-        return self.command(now)
+        return command(now, ZERO) if stalled else self.command(now)
 
     def at(self, values):
         return self.voltages and volts(self.voltages[-1]) == pytest.approx(values, rel=1e-6)
