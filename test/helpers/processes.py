@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import contextlib
 import faulthandler
+import functools
 import importlib
 import multiprocessing
 import os
@@ -17,6 +18,7 @@ import subprocess
 import sys
 import time
 import traceback
+from multiprocessing import forkserver
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -32,17 +34,19 @@ FORKED = (
     *("forest_control.controller_node", "forest_control.joystick_node", "forest_control.valve_driver_node"),
     *("forest_sim.simulator_node", "forest_ident.experiment_operator_node", "forest_ident.online_node"),
     *("forest_bag.recorder_node", "forest_bringup.graph", "forest_station.station"),
-    *(
-        "forest_station.station_node",
-        "forest_control.cycle_node",
-        "forest_study.demo.demo",
-        "forest_study.cli",
-    ),
+    *("forest_station.station_node", "forest_control.cycle_node"),
+    *("forest_study.demo.demo", "forest_study.cli"),
 )
 SERVER = multiprocessing.get_context("forkserver")
-SERVER.set_forkserver_preload(
-    [*FORKED, "forest_bringup.graph_monitor", "diagnostic_msgs.msg", "std_srvs.srv"]
-)
+SERVER.set_forkserver_preload([*FORKED, "warm"])
+
+
+@functools.cache
+def _start_server() -> None:
+    """Start the server; it finds `warm` by its environment, for of a longer path it is told too late."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("PYTHONPATH", str(Path(__file__).parent), prepend=os.pathsep)
+        forkserver.ensure_running()
 
 
 class Told:
@@ -107,6 +111,7 @@ class ForkedNode(Told):
     def __init__(
         self, module: str, arguments: list[str], log: Path, environment: dict[str, str] | None = None
     ) -> None:
+        _start_server()
         self.log, self.args = log, [module, *arguments]
         begun, begins = SERVER.Pipe(duplex=False)
         what = (module, arguments, str(log), environment or dict(os.environ), begins)
