@@ -35,7 +35,7 @@ FORKED = (
     *("forest_sim.simulator_node", "forest_ident.experiment_operator_node", "forest_ident.online_node"),
     *("forest_bag.recorder_node", "forest_bringup.graph", "forest_station.station"),
     *("forest_station.station_node", "forest_control.cycle_node"),
-    *("forest_study.demo.demo", "forest_study.cli"),
+    *("forest_study.demo.demo", "forest_study.cli", "forest_study.experiments.forest_ident_main"),
 )
 SERVER = multiprocessing.get_context("forkserver")
 SERVER.set_forkserver_preload([*FORKED, "warm"])
