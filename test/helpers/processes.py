@@ -30,7 +30,7 @@ from forest_bringup import supervisor
 # Limits at which a test fails rather than hangs; on a busy machine a node alone takes seconds to start.
 ENDED_S, TOLD_S = 60.0, 5.0
 PORT_TAKEN = "RTPS_TRANSPORT_SHM"
-FORKED = (
+IMPORTED = (
     *("forest_control.controller_node", "forest_control.joystick_node", "forest_control.valve_driver_node"),
     *("forest_sim.simulator_node", "forest_ident.experiment_operator_node", "forest_ident.online_node"),
     *("forest_bag.recorder_node", "forest_bringup.graph", "forest_station.station"),
@@ -38,7 +38,7 @@ FORKED = (
     *("forest_study.demo.demo", "forest_study.cli", "forest_study.experiments.forest_ident_main"),
 )
 SERVER = multiprocessing.get_context("forkserver")
-SERVER.set_forkserver_preload([*FORKED, "warm"])
+SERVER.set_forkserver_preload([*IMPORTED, "warm"])
 
 
 @functools.cache
@@ -106,7 +106,7 @@ class Process(Told, subprocess.Popen):
 
 
 class ForkedNode(Told):
-    """A program of `FORKED`, in this process's environment or another."""
+    """A module as a program, in this process's environment or another."""
 
     def __init__(
         self, module: str, arguments: list[str], log: Path, environment: dict[str, str] | None = None
