@@ -6,6 +6,7 @@ cylinder's head side, extending), port 2 the negative one. Where every shipped n
 ``python -m forest_description.export.machine_numbers`` (docs/reference/machine.md).
 """
 
+import functools
 import math
 from dataclasses import dataclass
 from pathlib import Path
@@ -348,7 +349,14 @@ def load_machine(name_or_path: str | Path = "c180") -> Machine:
         MachineError: The file is not usable; the message has file, line, key, value and what is
             allowed.
     """
-    return schema.build(Machine, _read(name_or_path))
+    name = str(name_or_path)
+    return _shipped(name) if source_tree.is_shipped(name) else schema.build(Machine, _read(name_or_path))
+
+
+@functools.lru_cache(maxsize=32)
+def _shipped(name: str) -> Machine:
+    """Return a machine that comes with the package: its files do not change, and it cannot be changed."""
+    return schema.build(Machine, _read(name))
 
 
 def _read(name_or_path: str | Path) -> source_tree.Branch:

@@ -8,7 +8,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from typing import NamedTuple
 
 import numpy as np
-from scipy.special import log_ndtr
+import scipy
 
 from forest_description.types import Bools, Floats
 from forest_ident.output_error.gaussian_estimate import (
@@ -221,7 +221,7 @@ def _censor(
 ) -> None:
     """Set the censored rows to sqrt(-2 ln P(reading is below the bound)) and its derivative."""
     z = (bound - reading[rows]) / sigma
-    logarithm = log_ndtr(z)
+    logarithm = scipy.special.log_ndtr(z)
     size = np.sqrt(np.maximum(-2.0 * logarithm, 1e-300))
     density = np.exp(-0.5 * z * z - 0.5 * math.log(2.0 * math.pi) - logarithm)
     residual[rows] = size
