@@ -17,7 +17,7 @@ from forest_control.pipeline.control_state import (
 )
 from forest_control.servo import coordinated_servo
 from forest_control.servo.coordinated_servo import CoordinationParameters, Joint, Memory
-from forest_control.servo.run_ahead import taken_back
+from forest_control.servo.run_ahead import held_back
 from forest_control.servo.schemes import Scheme, Signals, advanced, closes_on_position, moved, servo
 from forest_description.geometry.kinematics import tip_velocity
 from forest_description.types import ZERO, Vec3
@@ -55,7 +55,7 @@ def joint_servo(
     if command.phase == Phase.STOPPING:
         u = stop_profile.onwards(u, a)
     if p.scheme == Scheme.COORDINATED:
-        u = taken_back(u, a, inputs.rates)
+        u = held_back(u, a, inputs.rates)
     return Servo(reference=after, memory=memory, rates=u, offset=offset, velocity=velocity)
 
 
