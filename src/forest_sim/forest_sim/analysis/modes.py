@@ -105,7 +105,7 @@ def operating_point(angles: Vec3, spools: Vec3, p: PlantParameters) -> Simulatio
     """Return the machine at rest at a pose, or in the steady motion that open valves give it there.
 
     Args:
-        angles: joint angles [rad].
+        angles: of the links [rad].
         spools: spool positions [V]; inside the overlap a valve is shut.
         p: the machine, `unguarded`.
     """
@@ -127,17 +127,16 @@ def operating_point(angles: Vec3, spools: Vec3, p: PlantParameters) -> Simulatio
 
 
 def _brought_back(plant: PlantState, angles: Vec3, p: PlantParameters) -> PlantState:
-    """Return a plant with its joints at a pose [rad] again, links bent and teeth pressed as they were."""
-    joints = at_joints(plant, p)
+    """Return a plant with its links at a pose [rad] again, bent and with teeth pressed as they were."""
+    ways = tuple(angle - axis.angle for axis, angle in zip(plant.axes, angles, strict=True))
     swing, boom, stick = (
-        axis._replace(angle=angle + (axis.angle - joint.angle))
-        for axis, joint, angle in zip(plant.axes, joints.axes, angles, strict=True)
+        axis._replace(angle=angle) for axis, angle in zip(plant.axes, angles, strict=True)
     )
     roots = (
-        root._replace(angle=angle) if link.inertia > 0.0 else root
-        for root, link, angle in zip(plant.roots, p.elastic.links, angles, strict=True)
+        root._replace(angle=root.angle + way) if link.inertia > 0.0 else root
+        for root, link, way in zip(plant.roots, p.elastic.links, ways, strict=True)
     )
-    drive = _turned(plant.drive, angles[0] - joints.swing.angle, p)
+    drive = _turned(plant.drive, ways[0], p)
     return plant._replace(swing=swing, boom=boom, stick=stick, drive=drive, roots=Roots(*roots))
 
 
