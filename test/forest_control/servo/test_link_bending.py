@@ -33,7 +33,7 @@ def linked(machine, swing, boom, stick):
     )
 
 
-RIGID = linked(load_machine("c180_real"), None, None, None)
+RIGID = linked(load_machine("c180"), None, None, None)
 BENT = linked(
     RIGID,
     Elasticity(stiffness=1.0e7, damping=1.3e4, root_inertia=30.0),

@@ -28,7 +28,7 @@ def test_what_a_compensator_leaves_the_spools_edge():
     )
     machine = replace(FORWARDER, valve=replace(FORWARDER.valve, compensator=before))
     assert metering_drop(machine, 1) == pytest.approx(0.8e6)
-    assert metering_drop(load_machine("c180"), 1) == math.inf
+    assert metering_drop(load_machine("c180_hoses"), 1) == math.inf
 
 
 @pytest.mark.parametrize("axis", [0, 1, 2])
@@ -71,7 +71,7 @@ def test_no_axis_is_told_to_go_faster_than_its_compensator_lets_it():
 
 def test_nothing_is_learnt_behind_a_compensator_and_elsewhere_it_is():
     """A spool that stands open, an actuator that goes half as fast as by the file."""
-    for name in ("forwarder", "c180"):
+    for name in ("forwarder", "c180_hoses"):
         machine = load_machine(name)
         p, state = parameters(machine, Settings()), REST
         supply = p.idle_pressure
@@ -81,10 +81,10 @@ def test_nothing_is_learnt_behind_a_compensator_and_elsewhere_it_is():
             motion = Motion(at, pressures.port_1, pressures.port_2)
             state, _ = step(state, (5.0, 5.0, 5.0), pressures, motion, p, 0.005)
         learnt = [one.forward.deadband != 0.0 or one.forward.stretch != 0.0 for one in state.estimates]
-        assert learnt == [name == "c180"] * 3
+        assert learnt == [name == "c180_hoses"] * 3
 
 
 def test_a_machine_without_compensators_has_the_bits_it_had():
-    c180 = load_machine("c180")
-    driver = parameters(c180, Settings())
+    c180_hoses = load_machine("c180_hoses")
+    driver = parameters(c180_hoses, Settings())
     assert [axis.metering_drop for axis in driver.axes] == [math.inf] * 3
