@@ -35,7 +35,9 @@ def rows(page):
 
 def test_an_estimate_stands_beside_the_start_with_its_interval(page):
     method = ["12.3", "output error", ""]
-    assert ["valve.deadband_voltage", "1", "1.01", "+1.00", "0.9904 .. 1.0296", "0 ", "V", *method] in rows(page)
+    assert ["valve.deadband_voltage", "1", "1.01", "+1.00", "0.9904 .. 1.0296", "0 ", "V", *method] in rows(
+        page
+    )
     assert ["valve.deadband_voltage", "1.01", "0.01", "12.3", "output error"] in rows(page)
 
 
