@@ -18,6 +18,7 @@ from forest_description.types import AXES
 from forest_ident.experiments import experiment_plan
 from forest_ident.measurements.parameter_path import hose_section, valve_at, valve_section
 from forest_ident.measurements.session import Session
+from forest_ident.refinement import extension_keys
 
 START = "start."
 LEAKAGE = ("swing.internal_leakage_resistance", "swing.external_leakage_resistance")
@@ -83,7 +84,9 @@ def task(machine: Machine, session: Session) -> Task | None:
         ),
         "damping": Task((f"{name}.damping",), (*law, *line, *leakage, *pump), supplied),
     }
-    return tasks.get(session.name, tasks.get(session.kind))
+    found = tasks.get(session.name, tasks.get(session.kind))
+    more = extension_keys.told_by(machine, session.kind, name, valve)
+    return None if found is None else found._replace(free=(*found.free, *more))
 
 
 def _axis(machine: Machine, session: Session) -> int:
