@@ -18,6 +18,7 @@ from forest_description.config.parameter import MachineError
 
 QUANTITY_KEYS = ("value", "unit", "source")
 ROW_KEYS = ("values", "unit", "source")
+UNCERTAINTY = "uncertainty"  # a number may have one
 DEEPEST = 50  # levels
 
 

@@ -68,6 +68,9 @@ class Estimate(NamedTuple):
     positive: bool = True
     warning: str = ""
     initial: bool = True  # of a linear estimate: whether the refinement starts from it
+    withheld: bool = False  # whether its interval means nothing: the model does not explain its record
+    told: float = 0.0  # share of its variance that comes from told numbers
+    most: str = ""  # the told number that most of that comes from
 
     @property
     def interval(self) -> tuple[float, float]:
@@ -91,6 +94,10 @@ class Estimate(NamedTuple):
         value, low_text, high_text = (f"{number:.{digits}g}" for number in (self.value, low, high))
         return value, low_text, high_text
 
+    def told_as(self) -> str:
+        """Return value, half of the 95 % interval and unit as text."""
+        return f"{self.value:.5g} ± {NORMAL_95 * self.standard_error:.2g} {self.unit}"
+
     def contains(self, truth: float) -> bool:
         """Tell whether the interval contains a value [unit]."""
         low, high = self.interval
@@ -109,6 +116,11 @@ class Estimate(NamedTuple):
                 f"{self.condition:.0e}); it takes {motion}"
             )
         return self._replace(warning=text)
+
+
+def is_positive(key: str) -> bool:
+    """Tell whether a parameter is positive, and so estimated by its logarithm."""
+    return not key.endswith("deadband_voltage")
 
 
 def is_loose(value: float, error: float, positive: bool) -> bool:

@@ -16,7 +16,6 @@ What the valve's rig shows is named from its records alone: on the crane, many t
 So a step at zero speed and an oscillation after a stop are told apart by all rows at once, not by one plot.
 """
 
-import dataclasses
 from collections.abc import Callable, Sequence
 from itertools import pairwise
 from typing import NamedTuple
@@ -27,13 +26,11 @@ from forest_description.config.parameter import MachineError
 from forest_description.machine import Machine
 from forest_description.types import Floats
 from forest_ident.estimators import calibration
-from forest_ident.experiments import test_rig
 from forest_ident.measurements.parameter_path import part_of, value_of, with_values
 from forest_ident.model_choice.candidates import CANDIDATES, Candidate
-from forest_ident.output_error import noise_model
 from forest_ident.output_error.prediction import predict
 from forest_ident.refinement import refinement
-from forest_ident.refinement.refinement_task import task
+from forest_ident.refinement.refinement_task import task, told
 from forest_ident.refinement.result import Refined, Result
 
 SAID = 0.3  # share of the squares from which a candidate is named
@@ -59,20 +56,16 @@ class Finding(NamedTuple):
         )
 
 
-def times_noise(start: Machine, refined: Refined) -> float:
-    """Return the greatest RMS of a record's residuals over its sensor's noise."""
-    session, fit = refined.session, refined.fit
-    sensed = dataclasses.replace(start, sensors=test_rig.meters(start))
-    return max(
-        (sd / noise_model.channel(sensed, session, name).noise for name, sd in fit.noise.items()), default=0.0
-    )
+def times_noise(refined: Refined) -> float:
+    """Return the greatest residual of a record's channels over what noise and told numbers leave."""
+    return max((test.times for test in refined.tests), default=0.0)
 
 
 def findings(result: Result) -> list[Finding]:
     """Return the best candidate of each record that one explains, the clearest first."""
     found = []
     for refined in result.refined:
-        if times_noise(result.start, refined) > LEFT:
+        if times_noise(refined) > LEFT:
             ranked = ranking(result.machine, refined)
             usual = [one for one in ranked if SIZES[0] <= one.size <= SIZES[1]]
             found += [one for one in usual[:1] if one.share >= SAID]
@@ -123,7 +116,7 @@ def ranking(machine: Machine, refined: Refined) -> list[Finding]:
 def _told(machine: Machine, refined: Refined) -> list[str]:
     """Return the machine's numbers that the record's fit may move, or knows only within their errors."""
     work = task(machine, refined.session)
-    keys = (*refined.free, *(work.carried if work is not None else ()))
+    keys = (*refined.free, *(work.carried if work is not None else ()), *told(machine, refined.session))
     # An axis' own valve that was tried and not taken is no part of the machine.
     return [key for key in dict.fromkeys(keys) if isinstance(part_of(machine, key), float)]
 
