@@ -15,6 +15,7 @@ from forest_ident.cli import fit_tables
 from forest_ident.experiments import experiment_plan
 from forest_ident.measurements import session_bag
 from forest_ident.measurements.session import Session, SessionError
+from forest_ident.model_choice import candidates, choice
 from forest_ident.refinement import identification
 from forest_ident.refinement.result import Result, unidentified
 from forest_ident.report import machine_writer
@@ -36,6 +37,10 @@ def add_parser(verbs: Any) -> None:
     parser.add_argument("--report", type=Path, metavar="DIR", help="to be made: report.html")
     help_truth = "of a simulated machine: told beside what was found, and not used for it"
     parser.add_argument("--truth", metavar="NAME|FILE", help=help_truth)
+    help_allow = "physics to add to the start; kept if held-out records are predicted better"
+    parser.add_argument(
+        "--allow", nargs="+", choices=candidates.NAMES, default=(), metavar="PHYSICS", help=help_allow
+    )
     parser.add_argument(
         "--linear", action="store_true", help="the thesis' estimators alone, without refinement"
     )
@@ -54,9 +59,12 @@ def run(options: argparse.Namespace) -> int:
     _refuse_strangers(start, sessions)
     _refuse_twice(sessions)
     bar = Bar()
-    result = identification.identify(
-        start, list(sessions.values()), bar, not options.linear, uncertainties(options.start)
-    )
+    given, stated = list(sessions.values()), uncertainties(options.start)
+
+    def identify(machine: Machine) -> Result:
+        return identification.identify(machine, given, bar, not options.linear, stated)
+
+    result = choice.chosen(start, identify, options.allow)
     bar.end()
     if not (result.estimates or result.calibration):
         said = "".join(f"; {remark}" for remark in result.remarks)

@@ -25,9 +25,11 @@ from forest_ident.output_error.fit_problem import EPSILON, Fit, Unknown
 from forest_ident.output_error.gaussian_estimate import GaussianEstimate, widened
 from forest_ident.output_error.output_error import Model, fit
 from forest_ident.output_error.prediction import Offsets, predict, redrawn
+from forest_ident.refinement import extension_keys
 from forest_ident.refinement.refinement_task import INERTIAS, START, Task, is_parameter, task, told
 
 UNKNOWN = 0.4  # prior standard deviation of what no experiment has estimated yet: relative, or volts
+DIFFERENCE = 1e-4  # for derivatives, relative
 SETTLED = 0.25  # [s] after a change of voltage
 START_NOISE = 1e4  # [Pa] by which pressures drift while the mean of the start is taken
 ANGLES = tuple(f"{axis}.angle" for axis in AXES)
@@ -96,8 +98,10 @@ def _unknowns(machine: Machine, session: Session, work: Task) -> list[Unknown]:
     for key in (*work.free, *work.carried):
         positive = is_positive(key)
         # An overlap that a curve in volts hides stays near its start, or it would leave the curve behind.
-        spread = math.inf if key in work.free and positive else UNKNOWN
-        found.append(Unknown(key, value_of(machine, key), spread, positive))
+        told = key in work.free and positive and not extension_keys.is_extension(key)
+        spread = math.inf if told else UNKNOWN
+        difference = extension_keys.COARSE.get(key.rpartition(".")[2], DIFFERENCE)
+        found.append(Unknown(key, value_of(machine, key), spread, positive, difference))
     if "rig.load" in work.nuisances:
         found.append(Unknown(f"rig.load.{session.name}", _load(session), math.inf))
     for name in () if session.is_exact else work.nuisances:

@@ -19,6 +19,7 @@ from forest_description.types import AXES
 from forest_ident.experiments import experiment_plan
 from forest_ident.measurements.parameter_path import hose_section, part_of, valve_at, valve_section
 from forest_ident.measurements.session import Session
+from forest_ident.refinement import extension_keys
 
 START = "start."
 OF_DERIVATIVES, STEPS = 1.4, 8.0  # times that derivatives are taken; steps of a search: as they were counted
@@ -112,7 +113,10 @@ def task(machine: Machine, session: Session) -> Task | None:
         "damping": Task((f"{name}.damping",), (*law, *line, *leakage, *pump, *MASSES), supplied),
     }
     found = tasks.get(session.name, tasks.get(session.kind))
-    return None if found is None else _of_machine(machine, found)
+    if found is None:
+        return None
+    more = extension_keys.told_by(machine, session.kind, name, valve)
+    return _of_machine(machine, found._replace(free=(*found.free, *more)))
 
 
 def simulations(machine: Machine, session: Session) -> float:

@@ -10,10 +10,12 @@ from types import MappingProxyType
 from typing import Any
 
 from forest_description.components.hose import GeometricHose, MeasuredHose
+from forest_description.export import machine_yaml
 from forest_description.machine import Machine, load_machine
 from forest_description.types import AXES
 from forest_ident.estimators.parameter_estimate import NORMAL_95, Estimate, unit_of
 from forest_ident.measurements.parameter_path import SECTIONS, part_of, value_of
+from forest_ident.model_choice import candidates
 from forest_ident.refinement.refinement_task import VALVE
 from forest_ident.refinement.result import Result
 
@@ -45,7 +47,7 @@ def write(
         f"based_on: {based_on}",
         f"description: {json.dumps(f'{result.start.description}, identified', ensure_ascii=False)}",
         "",
-        *_lines(_tree(_entries(result, doubts)), 0),
+        *_lines(_tree(_added(load_machine(start), result.machine) | _entries(result, doubts)), 0),
     ]
     draft = file.with_name(f".{file.name}")
     draft.write_text("\n".join(lines) + "\n", encoding="utf-8")
@@ -65,6 +67,20 @@ def _entries(result: Result, doubts: Mapping[str, str]) -> dict[str, str]:
     entries |= _calibration(result)
     for section in SECTIONS:
         entries |= _other_direction(section, result)
+    return entries
+
+
+def _added(before: Machine, now: Machine) -> dict[str, str]:
+    """Return what `model_choice` added to the machine that the file is based on."""
+    source, entries = "assumed: a usual size, from which the search began", {}
+    for path in candidates.ADDED:
+        part = part_of(now, path)
+        if part is None or part_of(before, path) is not None:
+            continue
+        if isinstance(part, float):
+            entries[path] = _quantity(part, unit_of(path), source)
+        else:
+            entries |= machine_yaml.entries(part, source, path)
     return entries
 
 
