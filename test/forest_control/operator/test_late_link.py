@@ -13,7 +13,7 @@ from forest_description.machine import load_machine
 from forest_description.types import ZERO
 from forest_msgs_py.types import PERIOD, PERIOD_NS
 
-C180 = load_machine("c180")
+C180 = load_machine("c180_hoses")
 ANGLES = (0.0, 0.5, -1.4)
 BEGIN = 10**18  # [ns] of a clock that has run for long
 

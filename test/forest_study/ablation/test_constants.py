@@ -38,7 +38,7 @@ def test_a_kernel_reads_changed_constants_when_it_runs():
 
 
 def test_constants_of_a_room_and_settings_of_a_node_are_found():
-    found = numbers(("servo", "controller"), load_machine("c180"))
+    found = numbers(("servo", "controller"), load_machine("c180_hoses"))
     assert found["servo.inching.LOOK"] == 0.35
     assert found["controller.feedback_gain"][1] == 5.0
     assert "servo.coordinated_servo.FULL_RATE" not in found  # imported: it has one home

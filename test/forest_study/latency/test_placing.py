@@ -11,7 +11,7 @@ from forest_study.cli import main
 from forest_study.latency import placing
 from forest_study.latency.placing import NEAR, REACTION, Person, placed
 
-C180 = load_machine("c180")
+C180 = load_machine("c180_hoses")
 
 
 @pytest.mark.parametrize("trip", [0.0, 0.3])
