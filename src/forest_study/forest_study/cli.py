@@ -18,7 +18,7 @@ from forest_study.ablation import ablation_command, cycles_command
 from forest_study.closed_loop.link_model import LinkError
 from forest_study.demo import replay
 from forest_study.faults import faults_command
-from forest_study.latency import delay_study, timing
+from forest_study.latency import delay_study, placing, timing
 from forest_study.matrix import matrix_command
 from forest_study.results import StudyError, new_directory
 from forest_study.stability import bode_command
@@ -76,6 +76,11 @@ def _parser() -> argparse.ArgumentParser:
     cycles_command.add_arguments(cycling)
     late = _command(commands, "delay", _delay, "late links: tracking and stopping against 0 to 600 ms")
     delay_study.add_arguments(late)
+    placing.add_arguments(
+        _command(
+            commands, "placing", _placing, "reaching and placing behind a late link, by a simulated operator"
+        )
+    )
     replaying = _command(
         commands, "replay", _replay, "nodes fed from a bag in lockstep: do they answer as they did?"
     )
@@ -133,6 +138,10 @@ def _delay(options: argparse.Namespace) -> int:
         return delay_study.run(options)
     except LinkError as error:
         raise StudyError(f"delay: {error}") from error
+
+
+def _placing(options: argparse.Namespace) -> int:
+    return placing.run(options)
 
 
 def _bode(options: argparse.Namespace) -> int:

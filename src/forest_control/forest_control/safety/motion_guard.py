@@ -7,6 +7,7 @@ import math
 from typing import Any
 
 from forest_control.config.controller_settings import Parameters
+from forest_control.operator import late_link
 from forest_control.operator.joystick_watch import Joystick, Sample, is_released, problem_text
 from forest_control.safety import (
     driver_response,
@@ -130,6 +131,7 @@ class MotionGuard:
             "frozen_timeout [s]": p.frozen_timeout,
             "centre [1]": p.centre,
             "out of order since start": watch.out_of_order,
+            "round trip by its stamps [s]": late_link.round_trip(self.permission.link),
         }
 
     def _refuse(self, problem: str, now: float) -> None:
