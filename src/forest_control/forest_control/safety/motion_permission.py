@@ -286,7 +286,7 @@ def checked(
         ),
         sunk=before.sunk,
         let_go=before.let_go,
-        runaway=runaway.watched(before.runaway, v, driver.voltages, p, dt),
+        runaway=runaway.watched(before.runaway, state.rates, driver.voltages, p, dt),
     )
 
 
