@@ -15,7 +15,7 @@ control.controller_step()
 control.driver_step()
 sim.PLANT.ready()
 sim.SENSORS.ready()
-load_machine("c180")
+load_machine("c180_hoses")
 for kind in {topic.type for topic in topics.TOPICS}:
     cdr_type(kind)
 for topic in topics.TOPICS:
