@@ -301,14 +301,14 @@ def test_a_second_commander_stops_the_valves_until_it_is_gone_and_the_stop_is_re
     other = start_process(
         ["-m", "forest_sim.commander_node", "--ros-args", "-p", f"input:={tmp_path}/volts.csv"]
     )
+    named = "emergency stop pressed; more than one node publishes valve_commands: commander, peer"
+    peer.until(lambda: any(s.message == named for m in said for s in m.status))
     peer.until(lambda: volts(r.voltages[-1]) == ZERO)
     moved = [volts(message)[0] < 0.0 for message in r.voltages if volts(message) != ZERO]
     assert not any(moved) or all(moved[moved.index(True) :])  # nothing of ours came after its first one
     refusal = answer(peer, reset)
     assert not refusal.success
     assert "more than one node publishes valve_commands" in refusal.message
-    named = "emergency stop pressed; more than one node publishes valve_commands: commander, peer"
-    peer.until(lambda: any(s.message == named for m in said for s in m.status))
     other.stop()
     peer.until(lambda: "commander" not in peer.node.get_node_names())
     r.command = lambda now: command(now, ZERO)

@@ -15,7 +15,8 @@ control.controller_step()
 control.driver_step()
 sim.PLANT.ready()
 sim.SENSORS.ready()
-load_machine("c180_hoses")
+for machine in ("c180", "c180_hoses", "c180_thesis"):
+    load_machine(machine)
 for kind in {topic.type for topic in topics.TOPICS}:
     cdr_type(kind)
 for topic in topics.TOPICS:
