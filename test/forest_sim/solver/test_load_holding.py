@@ -26,7 +26,7 @@ from forest_sim.solver.equilibrium import equilibrium
 from forest_sim.solver.power_flows import power_flows
 from forest_sim.solver.state_recording import ENERGY, STATE
 
-REAL, C180 = load_machine("c180_real"), load_machine("c180")
+REAL, C180 = load_machine("c180"), load_machine("c180_hoses")
 RIGID = rigid(REAL)
 VALVE = REAL.boom.holding_1
 MPA = 1e6
@@ -38,7 +38,7 @@ WIDE = dataclasses.replace(REAL.valve, minimum_resistance=1e10, port_2_area=0.05
 
 
 def crane(boom, valve=REAL.valve, head_mass=700.0):
-    """Rigid c180_real with one load-holding valve at most, at the boom's head side; free seals, c180's pump."""
+    """Rigid c180 with one load-holding valve at most, at the boom's head side; free seals, c180_hoses's pump."""
     return dataclasses.replace(
         RIGID,
         pump=C180.pump,

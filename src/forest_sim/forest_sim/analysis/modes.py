@@ -129,9 +129,7 @@ def operating_point(angles: Vec3, spools: Vec3, p: PlantParameters) -> Simulatio
 def _brought_back(plant: PlantState, angles: Vec3, p: PlantParameters) -> PlantState:
     """Return a plant with its links at a pose [rad] again, bent and with teeth pressed as they were."""
     ways = tuple(angle - axis.angle for axis, angle in zip(plant.axes, angles, strict=True))
-    swing, boom, stick = (
-        axis._replace(angle=angle) for axis, angle in zip(plant.axes, angles, strict=True)
-    )
+    swing, boom, stick = (axis._replace(angle=angle) for axis, angle in zip(plant.axes, angles, strict=True))
     roots = (
         root._replace(angle=root.angle + way) if link.inertia > 0.0 else root
         for root, link, way in zip(plant.roots, p.elastic.links, ways, strict=True)
