@@ -99,8 +99,9 @@ def test_in_the_row_of_bending_the_links_alone_are_not_as_filed():
 def test_a_log_that_is_grasped_and_dropped_moves_the_tip_which_comes_back():
     """On the machine as believed."""
     one = run_row(drawn_from(ROWS["load"], ()), REAL, [0])[0].figures
-    assert one.cross_track_max_mm > 5.0
-    assert 0.0 < one.time_lost_s < 4.0
+    assert one.cross_track_max_mm > 50.0
+    assert one.overshoot_mm < 2.0
+    assert 1.0 < one.time_lost_s < 12.0
     assert one.end_mm < 5.0
 
 
