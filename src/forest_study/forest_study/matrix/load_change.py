@@ -14,7 +14,7 @@ from forest_study.closed_loop.closed_loop import Trajectory
 from forest_study.matrix.figures import Figures
 from forest_study.tracking.tracking import Course
 
-GRASPED, DROPPED, ENDED = 400, 1400, 2600  # [periods] 2, 7 and 13 s
+GRASPED, DROPPED, ENDED = 400, 2400, 4800  # [periods] 2, 12 and 24 s
 NEAR = 0.005  # [m] of where the tip was before, within which it is back
 
 
