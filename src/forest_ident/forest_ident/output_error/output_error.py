@@ -46,7 +46,7 @@ ITERATIONS = 20
 DAMPING = 1e-6  # at the start: so small that correlated parameters may move together
 TRIES = 8  # of one step, each with more damping
 CONVERGED = 0.1  # of the standard errors, that the last step moved
-STALE = 3e4  # differences (3 %) from where derivatives were taken, to take them again
+STALE = 3e5  # differences (3 %) from where derivatives were taken, to take them again
 SLOW = 0.3  # of the last step; after a longer step derivatives are taken again, too
 
 Model = Callable[[Mapping[str, float]], Columns]

@@ -41,7 +41,7 @@ from forest_ident.refinement import (
     refinement,
     told_numbers,
 )
-from forest_ident.refinement.refinement_task import task
+from forest_ident.refinement.refinement_task import simulations, task
 from forest_ident.refinement.result import Refined, Result
 
 HELD_OUT = ("validation", "motion")
@@ -49,7 +49,6 @@ OWN_VALVE = (
     4.0,
     0.01,
 )  # standard errors and volts by which an axis' valve must differ to get its own section
-SIMULATIONS = 70.0  # that a refinement takes, about, for the progress
 
 
 Progress = Callable[[str, float], None]
@@ -90,12 +89,16 @@ def identify(
     result.told = told_numbers.errors(start, stated)
     result.known = _of_offsets([*_offsets_of_file(start, used), *result.calibration])
     work = [s for s in used if refine and task(result.machine, s) is not None]
+    # A simulation takes as long as its record is; how many there will be, the numbers of unknowns tell.
+    expected = [simulations(result.machine, s) for s in work]
+    costs = np.array([len(s.time) * count for s, count in zip(work, expected, strict=True)])
     for place, session in enumerate(work):
         count = [0]
 
         def simulated(session: Session = session, place: int = place, count: list[int] = count) -> None:
             count[0] += 1
-            share = (place + min(count[0] / SIMULATIONS, 1.0)) / len(work)
+            of_this = costs[place] * min(count[0] / expected[place], 1.0)
+            share = float((np.sum(costs[:place]) + of_this) / np.sum(costs))
             progress(f"{session.name}: refinement, simulation {count[0]}", share)
 
         try:

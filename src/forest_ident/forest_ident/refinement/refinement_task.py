@@ -22,6 +22,7 @@ from forest_ident.measurements.session import Session
 from forest_ident.refinement import extension_keys
 
 START = "start."
+OF_DERIVATIVES, STEPS = 1.4, 8.0  # times that derivatives are taken; steps of a search: as they were counted
 VALVE = ("deadband_voltage", "minimum_resistance")
 LEAKAGE = ("swing.internal_leakage_resistance", "swing.external_leakage_resistance")
 OFFSETS = ("boom.angle", "stick.angle", "oil.offset")
@@ -116,6 +117,16 @@ def task(machine: Machine, session: Session) -> Task | None:
         return None
     more = extension_keys.told_by(machine, session.kind, name, valve)
     return _of_machine(machine, found._replace(free=(*found.free, *more)))
+
+
+def simulations(machine: Machine, session: Session) -> float:
+    """Return how many simulations the refinement of a session takes, about."""
+    work = task(machine, session)
+    if work is None:
+        return 0.0
+    starts = len(work.channels) if session.on_crane else 0  # pressures at the start are unknown, too
+    derivatives = len(work.free) + len(work.carried) + len(work.nuisances) + starts
+    return OF_DERIVATIVES * derivatives + len(told(machine, session)) + STEPS
 
 
 def _gravity(machine: Machine, pump: tuple[str, ...]) -> Task:
