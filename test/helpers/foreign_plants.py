@@ -37,9 +37,9 @@ from forest_ident.measurements.parameter_path import (
     with_values,
 )
 
-TOLD = "c180"
+TOLD = "c180_hoses"
 """What the person believes the crane to be; the fit starts from it."""
-AS_BUILT, FORWARDER = "c180_real", "forwarder"  # whose sections the crane has besides
+AS_BUILT, FORWARDER = "c180", "forwarder"  # whose sections the crane has besides
 WITHIN = 0.4  # share by which a number is drawn to either side
 SCALE = 0.02  # share by which a mass is known that was weighed with a crane's scale or read off a drawing
 TAPE = 0.005  # [m] by which a length is known that was measured with a tape

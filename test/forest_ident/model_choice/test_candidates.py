@@ -5,7 +5,7 @@ import pytest
 from forest_description.machine import load_machine
 from forest_ident.model_choice.candidates import CANDIDATES, NAMES
 
-CRANES = ("c180", "loader", "forwarder")
+CRANES = ("c180_hoses", "loader", "forwarder")
 
 
 @pytest.mark.parametrize("name", CRANES)
@@ -23,5 +23,5 @@ def test_a_crane_that_has_the_physics_stays_as_it_is():
 
 
 def test_a_plain_crane_is_changed_by_every_candidate():
-    plain = load_machine("c180")
+    plain = load_machine("c180_hoses")
     assert all(candidate.add(plain) != plain for candidate in CANDIDATES)

@@ -10,7 +10,7 @@ from forest_ident.measurements.parameter_path import value_of, with_values
 from forest_ident.model_choice import candidates
 from forest_ident.model_choice.held_out_comparison import Comparison, compare
 
-PLAIN = load_machine("c180")
+PLAIN = load_machine("c180_hoses")
 RICH = {c.name: c.add(PLAIN) for c in candidates.CANDIDATES}
 
 

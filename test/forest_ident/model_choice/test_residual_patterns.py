@@ -8,7 +8,7 @@ from forest_ident.model_choice import residual_patterns
 from forest_ident.model_choice.candidates import CANDIDATES
 from forest_ident.refinement.identification import identify
 
-PLAIN = load_machine("c180")
+PLAIN = load_machine("c180_hoses")
 
 
 def fitted(name, record):
