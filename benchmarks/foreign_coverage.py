@@ -1,7 +1,7 @@
 """What does `forest-ident fit` make of cranes that are not its model? Drawn, recorded, fitted, driven.
 
     python benchmarks/foreign_coverage.py [--structures NAME ...] [--draws 2] [--seed 1] [--trial S]
-                                          [--json FILE]
+                                          [--without NAME ...] [--json FILE]
 
 Each session is a drawn crane of one structure (`test/helpers/foreign_plants.py`), all its experiments as
 `forest-ident experiment all --direct` records them, the fit from the told machine, the held-out record, and
@@ -20,6 +20,7 @@ import sys
 import tempfile
 import time
 from collections import Counter
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -49,11 +50,17 @@ SPEED = 0.5  # [m/s]
 Told = dict[str, Any]
 
 
-def trial(structure: str, seed: int, longest: float = math.inf) -> Told:
+def trial(structure: str, seed: int, longest: float = math.inf, without: Sequence[str] = ()) -> Told:
     """Return what a session of a structure told: errors of the estimates, remarks, tracking; or the crash."""
     began, plant = time.process_time(), foreign(structure, seed)
-    told: Told = {"structure": structure, "seed": seed, "longest": longest, "source": source()}
-    names = experiment_plan.names(plant.told)
+    told: Told = {
+        "structure": structure,
+        "seed": seed,
+        "longest": longest,
+        "without": without,
+        "source": source(),
+    }
+    names = [name for name in experiment_plan.names(plant.told) if name not in without]
     try:
         sessions = [experiment(name, plant.crane, seed, longest=longest) for name in names]
         result = identify(plant.told, sessions)
@@ -166,6 +173,8 @@ def main() -> None:
     parser.add_argument("--seed", type=int, default=1, help="of the first draw")
     help_trial = "programmes are cut off after so many seconds"
     parser.add_argument("--trial", type=float, default=math.inf, metavar="S", help=help_trial)
+    help_without = "experiments that are not made"
+    parser.add_argument("--without", nargs="+", default=(), metavar="NAME", help=help_without)
     parser.add_argument("--json", type=Path, metavar="FILE")
     options = parser.parse_args()
     kept = json.loads(options.json.read_text()) if options.json and options.json.exists() else {}
@@ -177,7 +186,7 @@ def main() -> None:
     for structure, seed, place in wanted:
         if place in kept:
             continue
-        kept[place] = one = trial(structure, seed, options.trial)
+        kept[place] = one = trial(structure, seed, options.trial, options.without)
         print(f"{place}, {one['cpu_s']:.0f} s: {one.get('crash', one.get('tip_mm'))}", flush=True)
         if options.json is not None:
             options.json.write_text(json.dumps(kept, indent=1) + "\n")

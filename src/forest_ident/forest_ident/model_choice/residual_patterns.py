@@ -30,7 +30,7 @@ from forest_ident.measurements.parameter_path import part_of, value_of, with_val
 from forest_ident.model_choice.candidates import CANDIDATES, Candidate
 from forest_ident.output_error.prediction import predict
 from forest_ident.refinement import refinement
-from forest_ident.refinement.refinement_task import task, told
+from forest_ident.refinement.refinement_task import task
 from forest_ident.refinement.result import Refined, Result
 
 SAID = 0.3  # share of the squares from which a candidate is named
@@ -116,7 +116,7 @@ def ranking(machine: Machine, refined: Refined) -> list[Finding]:
 def _told(machine: Machine, refined: Refined) -> list[str]:
     """Return the machine's numbers that the record's fit may move, or knows only within their errors."""
     work = task(machine, refined.session)
-    keys = (*refined.free, *(work.carried if work is not None else ()), *told(machine, refined.session))
+    keys = (*refined.free, *(work.carried if work is not None else ()))
     # An axis' own valve that was tried and not taken is no part of the machine.
     return [key for key in dict.fromkeys(keys) if isinstance(part_of(machine, key), float)]
 
