@@ -10,7 +10,7 @@ from forest_description.machine import load_machine
 from forest_description.types import AXES, ZERO
 from forest_msgs_py.types import PERIOD
 
-C180 = load_machine("c180")
+C180 = load_machine("c180_hoses")
 P = controller_settings.parameters(C180, controller_settings.Settings())
 EDGE = 1.0  # [V] of its overlap
 

@@ -10,7 +10,7 @@ from forest_ident.estimators.parameter_estimate import Estimate
 from forest_ident.refinement.result import Result
 from forest_ident.report import identification_report
 
-C180 = load_machine("c180")
+C180 = load_machine("c180_hoses")
 
 
 @pytest.fixture

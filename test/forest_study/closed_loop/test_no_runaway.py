@@ -16,7 +16,7 @@ from forest_study.closed_loop.model_mismatch import Ranges, applied, draw
 @pytest.mark.parametrize("seed", range(4))
 def test_a_crane_that_is_thrown_about_and_let_go_is_no_runaway(seed):
     """Plants off their file in everything that is drawn, on a tilted platform."""
-    machine = load_machine(("c180", "c180_real")[seed % 2])
+    machine = load_machine(("c180_hoses", "c180")[seed % 2])
     plant = applied(machine, draw(seed, Ranges(tilt=10.0, stiffness=0.2)))
     control = controller_settings.parameters(machine, controller_settings.Settings(tip_speed=1.0))
     drive = valve_driver_parameters.parameters(machine, valve_driver_parameters.Settings())

@@ -13,7 +13,7 @@ from forest_study.faults.fault import Bound, State
 from forest_study.faults.fault_report import broken, table, worst
 from forest_study.faults.trials import Outcome, trial
 
-MACHINE = load_machine("c180_real")
+MACHINE = load_machine("c180")
 WELL = Outcome(
     3, zero=0.1, way=0.05, off=0.2, speed=0.4, told="x: y", told_after=0.1, restarted=False, again=True
 )

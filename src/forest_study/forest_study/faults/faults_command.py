@@ -36,7 +36,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="N",
         help="repetitions of each signal to each node live",
     )
-    add("--machine", default="c180_real", help="default: %(default)s")
+    add("--machine", default="c180", help="default: %(default)s")
 
 
 def run(options: argparse.Namespace) -> int:
