@@ -348,7 +348,7 @@ MACHINE = {
         for_good=True,
     ),
     "wrong machine file": Fault(
-        "`c180_hoses` is driven with the file of `loader`",
+        "the crane is driven with the file of `loader`",
         "Cylinders do not belong to their angles: named after 0.3 s.",
         same(
             Bound(zero=0.35, way=0.03, told="machine file: ", told_within=0.35, again=False),
