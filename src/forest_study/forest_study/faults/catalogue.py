@@ -237,8 +237,10 @@ SENSORS = {
     ),
     "resolver counts back": Fault(
         "one counts the other way",
-        "The servo drives away from its reference until a joint goes back under an open valve: 0.1 to 1.5 s.",
-        same(Bound(zero=1.8, again=False), DRIVEN) | {State.EXPERIMENT: Bound(again=False)},
+        "The servo drives away from its reference until a joint goes back under a wide open valve: 0.1 to"
+        " 1.5 s at 0.5 m/s. Slower, or in a taught cycle, it goes on: gap.",
+        same(Bound(speed=4.5, again=False), DRIVEN, MOTION=Bound(zero=1.8, again=False))
+        | {State.EXPERIMENT: Bound(again=False)},
         seen=wires.reversed_axis,
     ),
     "degrees for radians": Fault(
@@ -261,8 +263,10 @@ SENSORS = {
     ),
     "pressures absent": Fault(
         "no transducer has a sample",
-        "The nominal load is taken. Not weighed for 0.5 s: only motions that unload pass.",
+        "The nominal load is taken. Not weighed for 0.5 s: only motions that unload pass,"
+        " and a taught cycle waits where it is.",
         _off(1.2, 0.0, "load: not weighed")
+        | {State.TAUGHT: Bound(off=1.2, told="load: not weighed", held=True)}
         | {State.EXPERIMENT: Bound(zero=0.11, told="nothing good on hydraulics/pressures", again=False)},
         seen=wires.no_pressures,
     ),
@@ -289,24 +293,26 @@ VALVES = {
     ),
     "valve does not close": Fault(
         "a chip holds one open by a third; the operator lets go 0.5 s later",
-        "Overload where the servo opens the valve against it, else a joint that goes by itself.",
-        same(Bound(zero=0.8, told=OF_MACHINE, told_within=1.8, again=False), HELD)
-        | {State.EXPERIMENT: Bound(again=False)},
+        "Named as overload where the servo opens the valve against it, or as a joint that goes by itself; not"
+        " under 0.05 rad/s: gap.",
+        same(Bound(zero=0.8, again=False), HELD) | {State.EXPERIMENT: Bound(again=False)},
         volts=wires.not_closing,
         let_go=0.5,
     ),
     "short circuit": Fault(
         "full voltage on one valve; the operator lets go 0.5 s later",
-        "The same.",
+        "The same. A joint at its end stop goes no further, and is not named.",
         same(Bound(zero=0.8, told=OF_MACHINE, told_within=1.3, again=False), HELD)
+        | {State.TAUGHT: Bound(zero=0.8, again=False)}
         | {State.EXPERIMENT: Bound(again=False)},
         volts=wires.wrong_from_here,
         let_go=0.5,
     ),
     "valve wired the other way": Fault(
         "one, in motion",
-        "The servo drives away from its reference until the joint goes back under an open valve.",
-        same(Bound(zero=1.8, again=False), DRIVEN) | {State.EXPERIMENT: Bound(again=False)},
+        "As a resolver that counts back, with the same gap.",
+        same(Bound(speed=4.5, again=False), DRIVEN, MOTION=Bound(zero=1.8, again=False))
+        | {State.EXPERIMENT: Bound(again=False)},
         volts=wires.crossed_valves,
     ),
     "valves' cable cut": Fault(
@@ -342,7 +348,7 @@ MACHINE = {
         for_good=True,
     ),
     "wrong machine file": Fault(
-        "`c180_hoses` is driven with the file of `loader`",
+        "the crane is driven with the file of `loader`",
         "Cylinders do not belong to their angles: named after 0.3 s.",
         same(
             Bound(zero=0.35, way=0.03, told="machine file: ", told_within=0.35, again=False),

@@ -3,6 +3,7 @@
 import math
 import re
 from collections.abc import Mapping, Sequence
+from textwrap import fill
 from typing import Any
 
 from forest_study.faults.fault import Bound, Fault, State
@@ -19,7 +20,8 @@ that is hit, and the moment.
 
 - A fault lasts two seconds and heals, unless its row says otherwise.
 - The operator goes on as before. Nothing may move again before a deliberate act: deadman released,
-  levers centred, deadman pressed. A run that moved again breaks its bound, whatever the row asks.
+  levers centred, deadman pressed. A run that moved again breaks its bound, whatever the row asks,
+  unless it asks "may be held again".
 - After that act the healed crane must move.
 
 | column | tells |
@@ -30,8 +32,8 @@ that is hit, and the moment.
 | a state | the worst of all seeds, of what the row bounds; **bold** is beyond; empty cannot differ |
 | told | what `/diagnostics` says first, most often |
 
-Rows that ask only how far the tip is off are faults that nobody sees, or that need no stop: the
-[reasons](#reasons) say which.
+Rows that ask only how far the tip is off, or how fast it is, or nothing, are faults that need no
+stop, or that nobody sees. The latter are gaps: the [reasons](#reasons) say which.
 
 {table}
 
@@ -116,7 +118,8 @@ def page(machine: str, seeds: int, faults: Mapping[str, Fault], cells: Cells, li
 
 def reasons(faults: Mapping[str, Fault]) -> str:
     """Return why each fault has its bound, as a list in Markdown."""
-    return "\n".join(f"- **{name}**: {fault.reason}" for name, fault in faults.items())
+    told = (f"- **{name}**: {fault.reason}" for name, fault in faults.items())
+    return "\n".join(fill(text, 100, subsequent_indent="  ", break_on_hyphens=False) for text in told)
 
 
 def _must(fault: Fault) -> str:
@@ -138,7 +141,9 @@ def _asked(bound: Bound) -> str:
         parts.append(f"off {bound.off:g} m")
     if bound.speed is not None:
         parts.append(f"{bound.speed:g} m/s")
-    return ", ".join(parts) or "is no fault of this state"
+    if bound.held:
+        parts.append("may be held again")
+    return ", ".join(parts) or "nothing is asked"
 
 
 def _cell(bound: Bound, found: Found) -> str:
