@@ -212,8 +212,8 @@ class Problem:
             influence, firsts = j @ spread, np.arange(0, len(residual), self._block)
             found[: len(firsts)] += np.add.reduceat(influence * residual[:, np.newaxis], firsts)
             white[: len(firsts)] += np.add.reduceat(influence**2, firsts)
-        firsts = [np.arange(0, count, longer) for longer in LONGER if longer == 1 or FEWEST * longer <= count]
-        factors = [inflation(np.add.reduceat(found, at), np.add.reduceat(white, at)) for at in firsts]
+        starts = [np.arange(0, count, longer) for longer in LONGER if longer == 1 or FEWEST * longer <= count]
+        factors = [inflation(np.add.reduceat(found, at), np.add.reduceat(white, at)) for at in starts]
         factor = max((float(np.max(one[: self.count], initial=1.0)) for one in factors), default=1.0)
         widened = spread @ (factor * information + self.known) @ spread
         moves = [spread @ (self.normal(theta, after, jacobian)[1] - gradient) for after in redrawn]

@@ -167,9 +167,9 @@ def _hose(machine: Machine, session: Session) -> list[Estimate]:
     found = [_estimate(key, *fit.first, fit.condition, "least squares (4.4)")]
     read, value = meter(machine, session), fit.first[0]
     lag = read.time_constant if read else 0.0
-    fits = hose_estimators.joint(session, value, laminar, lag, low, high)
+    joint = hose_estimators.joint(session, value, laminar, lag, low, high)
     groups = hose_estimators.four_group_means(session, value, laminar)
-    for name, fit, means in zip(("inertance", "capacitance"), fits, groups, strict=True):
+    for name, fit, means in zip(("inertance", "capacitance"), joint, groups, strict=True):
         key, error = f"{section}.{name}", float(np.std(means, ddof=1) / math.sqrt(len(means)))
         mean, method = float(np.mean(means)), "four-group means (4.3.4.4)"
         found.append(_estimate(key, mean, error, math.nan, method, initial=False))
