@@ -138,7 +138,7 @@ def read(path: Path) -> Session:
     name, facts = _experiment(path)
     base = _first_there(bag, path)
     time: Floats = bag.series(base).time_ns * 1e-9
-    time = time - time[0] if len(time) else time
+    time -= time[0] if len(time) else 0.0
     if len(time) < 3 or not np.all(np.diff(time) > 0.0):
         raise SessionError(f"{path}: needs three samples or more with rising stamps")
     _refuse_hole(path, base, time)
