@@ -137,7 +137,7 @@ def read(path: Path) -> Session:
     bag = read_bag(path)
     name, facts = _experiment(path)
     base = _first_there(bag, path)
-    time: Floats = bag.series(base).time_ns * 1e-9
+    time = bag.series(base).time_ns.astype(np.float64) * 1e-9
     time -= time[0] if len(time) else 0.0
     if len(time) < 3 or not np.all(np.diff(time) > 0.0):
         raise SessionError(f"{path}: needs three samples or more with rising stamps")
