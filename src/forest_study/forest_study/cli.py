@@ -17,6 +17,7 @@ from forest_msgs_py.runtime import command_line
 from forest_study.ablation import ablation_command, cycles_command
 from forest_study.closed_loop.link_model import LinkError
 from forest_study.demo import replay
+from forest_study.faults import faults_command
 from forest_study.latency import delay_study, placing, timing
 from forest_study.matrix import matrix_command
 from forest_study.results import StudyError, new_directory
@@ -55,6 +56,13 @@ def _parser() -> argparse.ArgumentParser:
         commands, "matrix", _matrix, "plants hidden from the controller, drawn by seed: the worst of them"
     )
     matrix_command.add_arguments(hidden)
+    faulty = _command(
+        commands,
+        "faults",
+        _faults,
+        "faults in every state: time to zero voltage, the tip's way, what is told",
+    )
+    faults_command.add_arguments(faulty)
     changed = _command(
         commands, "ablation", _ablation, "control without each mechanism, or its constants halved and doubled"
     )
@@ -160,6 +168,11 @@ def _matrix(options: argparse.Namespace) -> int:
         return matrix_command.run(options)
     except PathError as error:
         raise StudyError(f"matrix: {error}") from error
+
+
+def _faults(options: argparse.Namespace) -> int:
+    new_directory(options.out)
+    return faults_command.run(options)
 
 
 def _track(options: argparse.Namespace) -> int:

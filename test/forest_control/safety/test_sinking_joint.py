@@ -16,7 +16,8 @@ from forest_description.machine import load_machine
 from forest_description.types import ZERO
 from forest_msgs_py.types import PERIOD
 from forest_sim.equations.plant_parameters import plant_parameters
-from forest_sim.sensors.sensor_suite import sensor_suite
+from forest_sim.sensors.sensor_faults import parse_faults
+from forest_sim.sensors.sensor_suite import CHANNELS, sensor_suite
 from forest_sim.simulation.load import Load, loaded
 from forest_sim.solver.compiled_plant import compiled_advance
 from forest_study.closed_loop.closed_loop import ClosedLoop, Operator
@@ -29,12 +30,12 @@ CENTRED = Levers(0.0, 0.0, 0.0)
 class Crane:
     """A crane with noisy sensors whose head can grasp and drop."""
 
-    def __init__(self, name, tip, seed=1):
+    def __init__(self, name, tip, seed=1, faults=""):
         # What may be lifted is another limit's: here the load comes all the same.
         self.machine = dataclasses.replace(load_machine(name), capacity=None)
         control = controller_settings.parameters(self.machine, controller_settings.Settings())
         drive = valve_driver_parameters.parameters(self.machine, valve_driver_parameters.Settings())
-        suite = sensor_suite(self.machine, noise=True, seed=seed)
+        suite = sensor_suite(self.machine, noise=True, seed=seed, faults=parse_faults(faults))
         self.loop = ClosedLoop(self.plant(0.0), control, drive, pose_at(tip, self.machine), suite, fast=True)
         self.volts = ZERO
 
@@ -120,7 +121,10 @@ def test_levers_that_are_thrown_about_are_no_overload():
 
 
 def events(seed):
-    """A wish, and by its period what happens: a grasp, a drop 1 to 1.8 s later, and another grasp."""
+    """A wish, where from, and by its period what happens: a grasp, a drop 1 to 1.8 s later, another grasp.
+
+    A joystick that falls silent, a resolver that loses its samples, and a release come to it.
+    """
     rng = np.random.default_rng([seed, 77])
     wish = rng.normal(size=3)
     wish *= 0.5 * rng.uniform(0.3, 1.0) / np.linalg.norm(wish)
@@ -130,14 +134,20 @@ def events(seed):
     masses = rng.uniform(300.0, 4000.0), 0.0, rng.uniform(300.0, 2500.0)
     silent, released = int(rng.uniform(1.0, 4.0) / PERIOD), rng.uniform(4.0, 5.0) / PERIOD
     silent = silent if rng.random() < 0.4 else 10_000
-    return tuple(wish.tolist()), tip, dict(zip(times, masses, strict=True)), silent, released
+    name, lost = CHANNELS[rng.integers(3)], rng.uniform(1.0, 4.0)
+    faults = f"{name}: drop from {lost:.3f} s until {lost + 0.2:.3f} s" if rng.random() < 0.4 else ""
+    return tuple(wish.tolist()), tip, dict(zip(times, masses, strict=True)), silent, released, faults
 
 
-@pytest.mark.parametrize("seed", range(10))
-def test_whatever_slips_the_tip_is_not_thrown(seed):
-    """Over 1.2 times the wish and 0.1 m/s by no more than what shut valves give, and 0.05 m/s."""
-    wish, tip, loads, silent, released = events(seed)
-    crane, rebound, over = Crane("c180_hoses", tip, seed), 0.0, []
+def over_the_bound(name, seed, sooner=0):
+    """The tip's speed [m/s] over 1.2 times the wish and 0.1 m/s and what shut valves give, from an event on.
+
+    The drop comes that many periods sooner.
+    """
+    wish, tip, loads, silent, released, faults = events(seed)
+    grasped, dropped, again = sorted(loads)
+    loads = {grasped: loads[grasped], dropped - sooner: 0.0, again: loads[again]}
+    crane, rebound, over = Crane(name, tip, seed, faults), 0.0, []
     for k in range(1000):
         if k in loads:
             crane.grasp(loads[k])
@@ -147,8 +157,15 @@ def test_whatever_slips_the_tip_is_not_thrown(seed):
             speed = crane.speed(crane.loop.simulation)
         else:
             speed = crane.drive(wish if k >= 100 else ZERO, k < released)
-        over.append(speed - 1.2 * float(np.linalg.norm(wish)) - 0.1 - rebound)
-    assert max(over) < 0.05
+        if k >= grasped:
+            over.append(speed - 1.2 * float(np.linalg.norm(wish)) - 0.1 - rebound)
+    return max(over)
+
+
+@pytest.mark.parametrize("name", ["c180_hoses", "c180"])
+@pytest.mark.parametrize("seed", range(8))
+def test_whatever_slips_the_tip_is_not_thrown(name, seed):
+    assert over_the_bound(name, seed) < 0.05
 
 
 P = controller_settings.parameters(C180, controller_settings.Settings())

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from forest_control.config.controller_settings import Settings, parameters
+from forest_control.servo.link_bending import link_angles
 from forest_control.taught.joint_trajectory import (
     MOST,
     TrajectoryPoint,
@@ -53,6 +54,19 @@ def test_values_are_put_into_the_order_of_the_joints():
 def test_what_is_no_trajectory_of_this_crane_is_refused_by_name(names, given, said):
     with pytest.raises(PathError, match=said):
         trajectory_points(names, given)
+
+
+def test_a_crane_that_bends_ends_with_its_joints_where_they_are_asked_and_its_tip_below():
+    forwarder = parameters(load_machine("forwarder"), Settings())
+    here = (5.5, 0.0, 0.5)
+    asked = inverse_kinematics((5.5, 1.0, 0.5), forwarder.links)
+    leg = trajectory_leg([TrajectoryPoint(4.0, asked)], here, forwarder)
+    end = leg.path.at(leg.path.length)
+    low = tip_position(
+        link_angles(asked, 0.0, forwarder.speed_limits, forwarder.coordinated.arm), forwarder.links
+    )
+    assert end == pytest.approx(low, abs=1e-6)
+    assert 0.003 < 0.5 - end[2] < 0.03
 
 
 def test_the_tip_goes_the_way_of_the_joints():

@@ -57,9 +57,9 @@ def test_without_dither_the_spool_is_behind_by_half_the_hysteresis():
     assert np.abs(true - known).max() == pytest.approx(0.2, abs=0.01)
 
 
-def test_a_spool_that_flow_forces_push_is_not_dithered():
+def test_a_spool_that_flow_forces_push_is_dithered_as_others():
     p = valve_driver_parameters.parameters(load_machine("forwarder"), valve_driver_parameters.Settings())
-    assert [axis.dither for axis in p.axes] == [0.0] * 3
+    assert [axis.dither for axis in p.axes] == [0.5 * load_machine("forwarder").valve.hysteresis] * 3
 
 
 def test_the_amplitude_is_half_the_hysteresis_of_each_axis_own_valve():

@@ -7,16 +7,13 @@ import pytest
 from forest_control.limits.actuator_speed_limits import RESERVE, joint_rate_limits, speed_limit_parameters
 from forest_control.valve.spool_model import SpoolLaw
 from forest_control.valve.tracking_limit import (
-    CATCH_UP,
     FULL,
     NO_TRACKING_LIMIT,
-    STALLED,
     Reach,
     TrackingLimit,
     bounded,
     ceiling,
     learnt_reach,
-    most_lead,
     open_wide,
     updated_limits,
 )
@@ -235,15 +232,3 @@ def test_before_any_voltage_the_spools_are_centred(joint, sign):
     )
     there = sign * 10.0 * (1.0 - math.exp(-2.0 * math.pi * 2.0 * 0.05))
     assert tracking_limits.spools == pytest.approx(tuple(there if i == joint else 0.0 for i in range(3)))
-
-
-@pytest.mark.parametrize("side", [-1.0, 1.0])
-def test_a_joint_that_stalls_under_an_open_valve_keeps_its_reference_and_one_that_moves_does_not(side):
-    stalled = NO_TRACKING_LIMIT._replace(spools=(0.0, side * 9.9, side * 9.0))
-    ahead, rates = (side * 0.1,) * 3, (0.0, 0.0, 0.0)
-    assert most_lead(stalled, RATED, ahead, rates) == (math.inf, STALLED, math.inf)
-    moving = most_lead(stalled, RATED, ahead, (0.0, side * 0.08, 0.0))
-    assert moving[1] == pytest.approx(STALLED + 2.0 * 0.08 / CATCH_UP)
-    assert most_lead(stalled, RATED, ahead, (0.0, -side * 0.08, 0.0))[1] == STALLED
-    behind = tuple(-e for e in ahead)
-    assert most_lead(stalled, RATED, behind, rates)[1] == math.inf

@@ -21,8 +21,8 @@ STEP = 1e-3  # [s]
 AT_ONCE = SpoolLag(math.inf, 0.0)
 
 
-def answered(machine, angles, axis, volts, rate, frequency, amplitude=0.02, cycles=24, of=""):
-    """Return the rate's amplitude and phase over the spool's, when the joint comes through the pose.
+def answered(machine, angles, axis, volts, rate, frequency, amplitude=0.02, cycles=24):
+    """Return the joint's rate over its spool, amplitude and phase, when it comes through the pose.
 
     It is half the difference of two runs: what the motion itself changes cancels.
     """
@@ -40,16 +40,17 @@ def answered(machine, angles, axis, volts, rate, frequency, amplitude=0.02, cycl
         given[:, axis] += sign * amplitude * np.sin(2.0 * np.pi * frequency * (time + 0.5 * STEP))
         states = np.zeros((count, len(STATE)))
         fastest_record()(point, given, even(STEP, count, 1), p, states, np.zeros((count, len(ENERGY))))
-        rates.append(states[:, STATE.index(f"{('swing', 'boom', 'stick')[axis]}_{of}rate")])
+        rates.append(states[:, STATE.index(f"{('swing', 'boom', 'stick')[axis]}_root_rate")])
     wave = 0.5 * (rates[0] - rates[1])
     last = slice(count - round(1.0 / frequency / STEP), count)  # a whole cycle, the start's transient gone
     turning = np.exp(-2j * np.pi * frequency * (time[last] + STEP))
     return 2j * np.mean(wave[last] * turning) / amplitude
 
 
-@pytest.mark.parametrize(("axis", "volts"), [(0, 4.0), (1, 3.0), (2, -3.0)])
+@pytest.mark.parametrize(("axis", "volts"), [(0, 4.0), (1, 2.5), (2, -3.0)])
 @pytest.mark.parametrize("frequency", [8.0, 20.0])
 def test_the_simulated_machine_answers_so(axis, volts, frequency):
+    """The boom moves slowly: what rings on from poses that it has left is not in the linear answer."""
     hanging = load_machine("c180")  # a head that hangs sways on for longer than is measured
     machine = replace(hanging, manipulator=replace(hanging.manipulator, pendulum=None))
     angles = start_angles(machine, start_tip(machine))
@@ -66,7 +67,7 @@ def test_a_machine_with_compensators_and_bending_answers_so(axis, frequency):
     machine = replace(hanging, manipulator=replace(hanging.manipulator, pendulum=None))
     angles, p = start_angles(machine, start_tip(machine)), plant_parameters(machine)
     rate, told = rate_response(angles, axis, 4.0, p, np.array([frequency]))
-    measured = answered(machine, angles, axis, 4.0, rate, frequency, cycles=12, of="root_")
+    measured = answered(machine, angles, axis, 4.0, rate, frequency, cycles=12)
     assert abs(measured - told[0]) < 0.03 * abs(told[0])
 
 

@@ -69,7 +69,7 @@ def pushed(p, force):
 
 def test_the_joint_is_free_for_twice_b_and_what_the_teeth_yield():
     """Two closed forms: the hysteresis is 2 b wide without load, and 2 T/k wider with a torque T."""
-    machine = with_drive(friction=None)
+    machine = with_drive(friction=None, elasticity=None)
     gear, p = machine.swing.backlash, plant_parameters(machine)
     links = machine.manipulator
     reach = links.base_offset + links.boom_length * math.cos(0.4) + links.stick_length * math.cos(0.4 - 1.4)

@@ -175,7 +175,7 @@ def test_at_rest_the_links_hang_below_their_joints_and_stay():
     assert bent[1] < -1e-3
     assert bent[2] < -1e-3
     assert deflections(end, p) == pytest.approx(bent, abs=1e-9)
-    assert [root.angle for root in begin.plant.roots] == list(POSE)
+    assert [axis.angle for axis in begin.plant.axes] == list(POSE)
 
 
 def test_sensors_have_the_joint_and_the_tip_the_link():

@@ -8,7 +8,7 @@ import pytest
 
 from forest_description.components.hose import Line
 from forest_description.machine import load_machine
-from forest_sim.equations.plant import transmissions
+from forest_sim.equations.plant import at_joints, transmissions
 from forest_sim.equations.plant_parameters import NO_GUARD, plant_parameters
 from forest_sim.equations.valve_ports import ports_at
 from forest_sim.hydraulics.hydraulic_line import solve_line
@@ -105,7 +105,7 @@ def test_oil_that_cavitates_behind_shut_valves_is_all_there_when_it_is_pressed_a
     now = rest._replace(plant=rest.plant._replace(boom=boom))
 
     def held(simulation):
-        plant = simulation.plant
+        plant = at_joints(simulation.plant, p)
         t = transmissions(plant.swing.angle, plant.boom.angle, plant.stick.angle, p)[1]
         return [
             content(plant.boom.pressure_1, t.position, p.boom.oil_1).oil,

@@ -5,6 +5,7 @@ import math
 
 import numpy as np
 import pytest
+from full_machine import rigid
 from two_volumes import CHAMBER_1, CHAMBER_2, opened_and_shut
 
 from forest_description.components.pump import IdealPump
@@ -22,7 +23,7 @@ from forest_sim.solver.compiled_plant import compiled_advance, compiled_record
 from forest_sim.solver.equilibrium import equilibrium
 from forest_sim.solver.state_recording import ENERGY, STATE
 
-HANGING, C180 = load_machine("c180"), load_machine("c180_hoses")
+HANGING, C180 = rigid(load_machine("c180")), load_machine("c180_hoses")
 REAL = dataclasses.replace(
     HANGING,
     boom=dataclasses.replace(HANGING.boom, friction=None),

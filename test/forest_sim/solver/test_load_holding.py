@@ -5,6 +5,7 @@ import math
 
 import numpy as np
 import pytest
+from full_machine import rigid
 from held_volumes import HeldVolumes
 from scipy.integrate import solve_ivp
 from two_volumes import CHAMBER_1, CHAMBER_2
@@ -26,6 +27,7 @@ from forest_sim.solver.power_flows import power_flows
 from forest_sim.solver.state_recording import ENERGY, STATE
 
 REAL, C180 = load_machine("c180"), load_machine("c180_hoses")
+RIGID = rigid(REAL)
 VALVE = REAL.boom.holding_1
 MPA = 1e6
 POSE = (0.0, 0.4, -1.4)
@@ -36,14 +38,14 @@ WIDE = dataclasses.replace(REAL.valve, minimum_resistance=1e10, port_2_area=0.05
 
 
 def crane(boom, valve=REAL.valve, head_mass=700.0):
-    """c180 with one load-holding valve at most, at the boom's head side; c180_hoses's pump, free seals."""
+    """Rigid c180 with one load-holding valve at most, at the boom's head; free seals, pump of c180_hoses."""
     return dataclasses.replace(
-        REAL,
+        RIGID,
         pump=C180.pump,
         tank_line=None,
         valve=valve,
-        boom=dataclasses.replace(REAL.boom, holding_1=boom, friction=None),
-        stick=dataclasses.replace(REAL.stick, holding_1=None, holding_2=None, friction=None),
+        boom=dataclasses.replace(RIGID.boom, holding_1=boom, friction=None),
+        stick=dataclasses.replace(RIGID.stick, holding_1=None, holding_2=None, friction=None),
         manipulator=dataclasses.replace(REAL.manipulator, head_mass=head_mass),
     )
 

@@ -18,8 +18,10 @@ from forest_description.components.valve_parameters import PolynomialCurve, Tabl
 from forest_description.geometry.kinematics import inverse_kinematics
 from forest_description.machine import load_machine
 from forest_msgs_py.types import PERIOD
+from forest_sim.equations.plant_parameters import plant_parameters
 from forest_sim.sensors.sensor_faults import parse_faults
 from forest_sim.sensors.sensor_suite import sensor_suite
+from forest_sim.simulation.load import Load, loaded
 from forest_study.closed_loop import closed_loop, loop_core, loop_kernel
 from forest_study.closed_loop.closed_loop import Operator
 
@@ -95,6 +97,21 @@ def test_the_core_interpreted_is_the_core_compiled():
         assert happened.command == tuple(fast.commands[row])
         assert happened.tip == tuple(fast.tip[row])
         assert happened.pressures == tuple(fast.pressures[row])
+
+
+def test_a_log_that_is_grasped_and_dropped_on_the_way_is_the_interpreted_loops():
+    suite, table, plant = sensor_suite(C180, noise=True, seed=5), hand(5), plant_parameters(C180)
+    held = loaded(plant, C180.manipulator, Load(900.0))
+    moved = loop_kernel.prepared(C180, table, START, *USUAL, suite=suite).run({90: held, 170: plant})
+    k = loop_kernel.knowledge(C180, C180, *USUAL, suite)
+    loop = closed_loop.ClosedLoop(plant, k.control, k.drive, START, suite)
+    for row, (*levers, enabled) in enumerate(table.tolist()):
+        if row in (90, 170):
+            loop.change_load(held if row == 90 else plant)
+        happened = loop.period(Operator(Levers(*levers), enabled > 0.5))
+        assert happened.angles == tuple(moved.angles[row]), row
+        assert happened.pressures == tuple(moved.pressures[row]), row
+    assert len(moved.tip) == len(table)
 
 
 def test_all_machines_and_settings_share_one_shape():

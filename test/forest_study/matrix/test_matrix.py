@@ -14,10 +14,11 @@ from forest_msgs_py.types import PERIOD
 from forest_sim.equations.plant_parameters import plant_parameters
 from forest_study import cli
 from forest_study.closed_loop import model_mismatch
-from forest_study.matrix import matrix_report, matrix_runs
+from forest_study.matrix import load_change, matrix_report, matrix_runs
+from forest_study.matrix.figures import Figures
 from forest_study.matrix.matrix_report import summary, table, told
-from forest_study.matrix.matrix_rows import FACTORS, apart, matrix_rows
-from forest_study.matrix.matrix_runs import Figures, Outcome, run_row
+from forest_study.matrix.matrix_rows import FACTORS, apart, drawn_from, matrix_rows
+from forest_study.matrix.matrix_runs import Outcome, run_row
 from forest_study.matrix.rivals import RIVALS
 from forest_study.tracking.paths import path_named
 
@@ -80,7 +81,8 @@ def test_one_factor_alone_and_all_but_one_leave_a_seeds_other_values():
 
 
 def test_every_factor_is_drawn_in_the_row_that_has_all():
-    for name, row in zip(FACTORS, apart(ROWS["both"], FACTORS, ()), strict=True):
+    every = ROWS["both"]._replace(ranges=ROWS["both"].ranges._replace(bending=0.5))
+    for name, row in zip(FACTORS, apart(every, FACTORS, ()), strict=True):
         assert differing(row) or name == "sensors"  # seed 6 has the file's 50 Hz
     assert apart(ROWS["both"], (), ()) == [ROWS["both"]]
 
@@ -88,6 +90,24 @@ def test_every_factor_is_drawn_in_the_row_that_has_all():
 def test_the_slow_paths_and_inches_are_as_long_as_the_rows_say():
     assert [path.length for path in ROWS["slow"].paths] == pytest.approx([0.4] * 3)
     assert [path.length for path in ROWS["inch"].paths] == pytest.approx([0.02] * 3)
+
+
+def test_in_the_row_of_bending_the_links_alone_are_not_as_filed():
+    assert differing(ROWS["bending"]) == {"links"}
+
+
+def test_a_log_that_is_grasped_and_dropped_moves_the_tip_no_further_than_shut_valves_let_it():
+    """On the machine as believed; 134 mm."""
+    one = run_row(drawn_from(ROWS["load"], ()), REAL, [0])[0].figures
+    assert one.cross_track_max_mm > 50.0
+    assert one.overshoot_mm < 2.0
+    assert one.end_mm < 30.0
+
+
+def test_a_tip_is_back_when_it_stays_near():
+    away = np.array([0.001, 0.006, 0.004, 0.006, 0.001, 0.002])
+    assert load_change._back(away) == pytest.approx(4 * PERIOD)
+    assert load_change._back(0.5 * away) == 0.0
 
 
 def test_what_the_file_lets_it_lift_on_a_path_is_that_of_its_longest_reach():

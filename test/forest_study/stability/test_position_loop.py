@@ -12,6 +12,7 @@ from forest_description.types import AXES
 from forest_msgs_py.types import PERIOD
 from forest_sim.analysis.frequency_response import rate_response
 from forest_sim.analysis.modes import operating_point, unguarded
+from forest_sim.equations.plant import at_joints
 from forest_sim.equations.plant_parameters import plant_parameters
 from forest_sim.simulation.open_loop import start_angles
 from forest_sim.solver.compiled_plant import compiled_advance
@@ -30,10 +31,11 @@ def swings(machine, axis, volts, gain, seconds):
     begun = tuple(q - 0.5 * rate * seconds * (place == axis) for place, q in enumerate(angles))
     given = [volts if place == axis else 0.0 for place in range(3)]
     point, advance = operating_point(begun, tuple(given), p), compiled_advance()
-    reference, wanted, errors = begun[axis] + 1e-4, volts, []  # pushed at the start
+    wanted, errors = volts, []
+    reference = at_joints(point.plant, p).axes[axis].angle + 1e-4  # pushed at the start
     for _ in range(round(seconds / PERIOD)):
         given[axis] = wanted
-        errors.append(reference - point.plant.axes[axis].angle)
+        errors.append(reference - at_joints(point.plant, p).axes[axis].angle)
         wanted = volts + gain * errors[-1] / abs(response[0])
         point = advance(point, tuple(given), STEP, round(PERIOD / STEP), p)
         reference += rate * PERIOD

@@ -4,7 +4,7 @@
 
 | stage | question | file |
 |---|---|---|
-| estimate | where are the joints, which cannot follow, what hangs there? | `joint_angle_filter` ... |
+| estimate | where are the links, which joint cannot follow, what hangs there? | `link_bending` ... |
 | command | what do the levers ask for, or the stop without them? | `motion_command` |
 | limit | what may the machine do of it? | `motion_limits` |
 | servo | which joint rates bring it there? | `joint_servo` |
@@ -38,6 +38,7 @@ from forest_control.pipeline.motion_limits import limited
 from forest_control.pipeline.stop_profile import NO_STOP
 from forest_control.servo import coordinated_servo
 from forest_control.servo.joint_angle_filter import corrected_angles, latched_correction, updated_correction
+from forest_control.servo.link_bending import link_angles
 from forest_control.servo.schemes import Scheme, moved
 from forest_control.valve.tracking_limit import NO_TRACKING_LIMIT, TrackingLimits, Valves, updated_limits
 from forest_description.derived.actuator_kinematics import joint_rates_to_actuator_speeds
@@ -60,7 +61,8 @@ def step(state: State, inputs: Inputs, p: Parameters, dt: float) -> tuple[State,
 def step_with_telemetry(state: State, inputs: Inputs, p: Parameters, dt: float) -> tuple[State, Telemetry]:
     """Do as `step`, and tell where the tip is and how it moves, by the angles that count."""
     state, output = step(state, inputs, p, dt)
-    angles = corrected_angles(inputs.angles, state.correction)
+    joints = corrected_angles(inputs.angles, state.correction)
+    angles = link_angles(joints, state.weighing.mass, p.speed_limits, p.coordinated.arm)
     velocity = tip_velocity(angles, inputs.rates, p.links)
     return state, Telemetry(output, tip_position(angles, p.links), tip_orientation(angles), velocity)
 
@@ -70,12 +72,12 @@ def _estimate(state: State, inputs: Inputs, p: Parameters, dt: float) -> tuple[S
     correction = updated_correction(state.correction, inputs.angles, inputs.cylinders, p.linkages, dt)
     if not state.enabled and stop_profile.is_over(state.stop):
         correction = latched_correction(correction, p.position_source)
-    inputs = inputs._replace(angles=corrected_angles(inputs.angles, correction))
+    joints = corrected_angles(inputs.angles, correction)
+    weighing = weighed(state.weighing, joints, inputs.rates, inputs.boom_pressures, p.weighing, dt)
+    inputs = inputs._replace(angles=link_angles(joints, weighing.mass, p.speed_limits, p.coordinated.arm))
     state = relearnt(state, correction)
     return state._replace(
-        correction=correction,
-        tracking_limits=_tracking_limits(state, inputs, p, dt),
-        weighing=weighed(state.weighing, inputs.angles, inputs.rates, inputs.boom_pressures, p.weighing, dt),
+        correction=correction, tracking_limits=_tracking_limits(state, inputs, p, dt), weighing=weighing
     ), inputs
 
 

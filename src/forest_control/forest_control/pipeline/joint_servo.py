@@ -4,8 +4,6 @@ Each scheme has its servo (`schemes`, `coordinated_servo`). A stop that is close
 the same servo, and turns no valve round; one in open loop takes its rates as they are.
 """
 
-import math
-
 from forest_control.config.controller_settings import Parameters
 from forest_control.pipeline import stop_profile
 from forest_control.pipeline.bumpless_transfer import offset_to, within_lead
@@ -16,12 +14,11 @@ from forest_control.pipeline.control_state import (
     Reference,
     Servo,
     State,
-    minus,
 )
 from forest_control.servo import coordinated_servo
 from forest_control.servo.coordinated_servo import CoordinationParameters, Joint, Memory
+from forest_control.servo.run_ahead import held_back
 from forest_control.servo.schemes import Scheme, Signals, advanced, closes_on_position, moved, servo
-from forest_control.valve.tracking_limit import most_lead
 from forest_description.geometry.kinematics import tip_velocity
 from forest_description.types import ZERO, Vec3
 
@@ -58,32 +55,8 @@ def joint_servo(
     if command.phase == Phase.STOPPING:
         u = stop_profile.onwards(u, a)
     if p.scheme == Scheme.COORDINATED:
-        after, memory = _drawn_along(after, memory, state, inputs, p)
+        u = held_back(u, a, inputs.rates)
     return Servo(reference=after, memory=memory, rates=u, offset=offset, velocity=velocity)
-
-
-def _drawn_along(r: Vec3, memory: Memory, state: State, inputs: Inputs, p: Parameters) -> tuple[Vec3, Memory]:
-    """Return references that stay with joints that stall under their load, and integrals that wait."""
-    s, e = inputs.angles, minus(r, inputs.angles)
-    most = most_lead(state.tracking_limits, p.rated_voltages, e, inputs.rates)
-    before = state.memory
-    return (_near(r[0], s[0], most[0]), _near(r[1], s[1], most[1]), _near(r[2], s[2], most[2])), (
-        memory._replace(
-            swing=_waiting(memory.swing, before.swing, abs(e[0]) > most[0]),
-            boom=_waiting(memory.boom, before.boom, abs(e[1]) > most[1]),
-            stick=_waiting(memory.stick, before.stick, abs(e[2]) > most[2]),
-        )
-    )
-
-
-def _near(r: float, s: float, most: float) -> float:
-    """Return a reference [rad] no further from its joint s than that."""
-    return r if abs(r - s) <= most else s + math.copysign(most, r - s)
-
-
-def _waiting(memory: Joint, before: Joint, stalls: bool) -> Joint:
-    """Return a joint's memory; its integral does not grow while the joint stalls."""
-    return memory._replace(w=before.w) if stalls else memory
 
 
 def _braking(p: CoordinationParameters) -> CoordinationParameters:

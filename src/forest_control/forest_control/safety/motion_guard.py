@@ -14,6 +14,7 @@ from forest_control.safety import (
     frozen_sensor,
     machine_file,
     motion_permission,
+    runaway,
     sinking_joint,
 )
 from forest_control.safety.driver_response import DriverSample
@@ -95,7 +96,7 @@ class MotionGuard:
         elif decision.dt > 0.0:
             checks = self.permission.checks
             trouble = machine_file.objection(checks.file) or driver_response.objection(checks.driver, now)
-            trouble = trouble or frozen_sensor.frozen(checks.still)
+            trouble = trouble or frozen_sensor.frozen(checks.still) or runaway.objection(checks.runaway)
             self.causes["machine"] = trouble or sinking_joint.objection(checks.sunk)
             self._note_operator(override)
         return decision

@@ -14,6 +14,7 @@ in the subset of Python that `forest_compile` translates; `motion_guard` tells t
 | the valve driver is silent, or keeps the valves shut | `driver_response` | STOP |
 | another machine than the file tells of: for good | `machine_file` | STOP |
 | a load that drives a joint back | `sinking_joint` | STOP |
+| a joint that goes by itself under a shut valve | `runaway` | STOP |
 | emergency stop; `hands_off` | `Override` | STOP |
 | the deadman is not held, the levers were not centred since | `joystick_watch` | HOLD |
 | the joystick is silent, lost, frozen, or cannot be read | `joystick_watch` | HOLD |
@@ -34,10 +35,11 @@ from forest_control.operator.joystick_interpolation import CENTRED, Interpolated
 from forest_control.operator.joystick_watch import Sample, Watch, WatchParameters, assessed_watch
 from forest_control.operator.late_link import IN_TIME, LateLink, speed_share, updated_link
 from forest_control.operator.levers import REST, Levers
-from forest_control.safety import driver_response, frozen_sensor, machine_file, sinking_joint
+from forest_control.safety import driver_response, frozen_sensor, machine_file, runaway, sinking_joint
 from forest_control.safety.driver_response import DriverResponse, DriverSample
 from forest_control.safety.frozen_sensor import Stillness
 from forest_control.safety.machine_file import FileCheck
+from forest_control.safety.runaway import Runaway
 from forest_control.safety.sinking_joint import Sinking
 from forest_control.safety.state_checks import plausible
 from forest_control.servo.joint_angle_filter import UNREAD as NO_LENGTHS
@@ -125,6 +127,7 @@ class Checks(NamedTuple):
     file: FileCheck = FileCheck()
     sunk: Sinking = Sinking()  # as it stopped the crane; kept until the levers move it anew
     let_go: bool = True  # the deadman was released since
+    runaway: Runaway = Runaway()
 
 
 class Permission(NamedTuple):
@@ -283,12 +286,13 @@ def checked(
         ),
         sunk=before.sunk,
         let_go=before.let_go,
+        runaway=runaway.watched(before.runaway, state.rates, driver.voltages, p, dt),
     )
 
 
 def passes(checks: Checks, now: float) -> bool:
     """Tell whether sensors, driver and machine are what the controller goes by."""
-    if machine_file.is_wrong(checks.file):
+    if machine_file.is_wrong(checks.file) or runaway.runs_away(checks.runaway):
         return False
     return driver_response.responds(checks.driver, now) and not frozen_sensor.is_frozen(checks.still)
 

@@ -1,7 +1,7 @@
-"""Feedforward for boom and stick: the oil that their cylinders take up as the load of the motion grows.
+"""Feedforward for boom and stick: what oil and links give way as the load of the motion grows.
 
-A cylinder's piston hangs between two springs of oil. As the torque on its joint grows by dT, the
-oil yields by dT/k, and the joint falls behind by that. So the rate dT/dt/k is added to the command.
+A cylinder's piston hangs between two springs of oil, and a link bends. As the torque on a joint grows by dT,
+they yield by dT/k each, and the link falls behind by that. So the rate dT/dt/k is added to the command.
 
 | symbol | name | unit |
 |---|---|---|
@@ -10,9 +10,9 @@ oil yields by dT/k, and the joint falls behind by that. So the rate dT/dt/k is a
 | G | torque of gravity | N m |
 | b, c | reference acceleration of a joint, its rate of change | rad/s^2, rad/s^3 |
 | A, C | piston area and capacitance of hose and chamber on either side | m^2, m^3/Pa |
-| k | stiffness, (A_1^2/C_1 + A_2^2/C_2) times the lever arm squared | N m/rad |
+| k | stiffness: the oil's, (A_1^2/C_1 + A_2^2/C_2) times the lever arm squared; the link's | N m/rad |
 
-Without chambers in the machine's file nothing is added: hoses alone are stiff.
+Without chambers in the machine's file the oil adds nothing: hoses alone are stiff.
 """
 
 import math
@@ -20,6 +20,7 @@ from typing import NamedTuple
 
 from forest_control.valve.valve_driver_parameters import AxisDriver, axis_drivers
 from forest_description.components.drives import Friction
+from forest_description.components.elasticity import Elasticity
 from forest_description.derived.actuator_kinematics import Linkages
 from forest_description.derived.bodies import bearing_stick, boom_body
 from forest_description.geometry.linkage import Linkage, cylinder_length, lever_arm
@@ -42,6 +43,7 @@ class ArmModel(NamedTuple):
     boom_inertia: float  # [kg m^2] of boom, and of the stick as a point at the elbow, about the boom's joint
     stick_inertia: float  # [kg m^2] about the elbow
     boom_length: float  # [m]
+    stick_length: float  # [m]
     boom_moment: Pair  # [kg m] mass of boom, and of the stick at the elbow, times x, y of its centre
     stick_moment: Pair  # [kg m]
     gravity: float  # [m/s^2]
@@ -49,6 +51,7 @@ class ArmModel(NamedTuple):
     stick: AxisDriver
     seals: tuple[Seal, Seal]
     linkages: Linkages
+    compliance: Pair  # 1/k of the links [rad/(N m)]; 0: rigid
 
 
 def yielding_rates(q: Vec3, a: Vec3, b: Vec3, c: Vec3, arm: ArmModel) -> Pair:
@@ -61,15 +64,12 @@ def yielding_rates(q: Vec3, a: Vec3, b: Vec3, c: Vec3, arm: ArmModel) -> Pair:
         c: and those of b [rad/s^3].
         arm: constants.
     """
-    if not arm.boom.fills and not arm.stick.fills:
-        return 0.0, 0.0
     boom, stick = torque_rates(q, a, b, c, arm)
-    boom += friction_rate(q[1], a[1], b[1], arm.seals[0], arm.linkages[0])
-    stick += friction_rate(q[2], a[2], b[2], arm.seals[1], arm.linkages[1])
-    return (
-        boom / stiffness(q[1], arm.boom, arm.linkages[0]) if arm.boom.fills else 0.0,
-        stick / stiffness(q[2], arm.stick, arm.linkages[1]) if arm.stick.fills else 0.0,
-    )
+    on_boom = boom + friction_rate(q[1], a[1], b[1], arm.seals[0], arm.linkages[0])
+    on_stick = stick + friction_rate(q[2], a[2], b[2], arm.seals[1], arm.linkages[1])
+    oil_1 = on_boom / stiffness(q[1], arm.boom, arm.linkages[0]) if arm.boom.fills else 0.0
+    oil_2 = on_stick / stiffness(q[2], arm.stick, arm.linkages[1]) if arm.stick.fills else 0.0
+    return oil_1 + boom * arm.compliance[0], oil_2 + stick * arm.compliance[1]
 
 
 def torque_rates(q: Vec3, a: Vec3, b: Vec3, c: Vec3, arm: ArmModel) -> Pair:
@@ -124,6 +124,7 @@ def arm_model(machine: Machine) -> ArmModel:
         boom_inertia=boom_inertia + stick.mass * m.boom_length**2,
         stick_inertia=stick.zz + stick.mass * (stick.x**2 + stick.y**2),
         boom_length=m.boom_length,
+        stick_length=m.stick_length,
         boom_moment=(boom.mass * boom.x + stick.mass * m.boom_length, boom.mass * boom.y),
         stick_moment=(stick.mass * stick.x, stick.mass * stick.y),
         gravity=m.gravity,
@@ -131,7 +132,13 @@ def arm_model(machine: Machine) -> ArmModel:
         stick=axes[2],
         seals=(_seal(machine, machine.boom.friction), _seal(machine, machine.stick.friction)),
         linkages=machine.linkages,
+        compliance=(compliance(machine.boom.elasticity), compliance(machine.stick.elasticity)),
     )
+
+
+def compliance(link: Elasticity | None) -> float:
+    """Return 1/k [rad/(N m)] of a link; 0 where it is rigid."""
+    return 0.0 if link is None else 1.0 / link.stiffness
 
 
 def _seal(machine: Machine, friction: Friction | None) -> Seal:

@@ -23,6 +23,7 @@ from typing import NamedTuple
 
 from forest_control.servo.arm_feedforward import ArmModel, yielding_rates
 from forest_control.servo.inching import MOVING, Inching, inched, is_due, served
+from forest_control.servo.link_bending import pushed
 from forest_control.servo.schemes import ERROR_LAG, FULL_RATE, Gains, Signals, coordinated
 from forest_control.servo.swing_feedforward import SwingModel, inertia
 from forest_description.derived.actuator_kinematics import Linkages, actuator_speeds_to_joint_rates
@@ -137,7 +138,10 @@ def servo(
     b_2, jerk_2 = _smooth_acceleration(m_2, a[1], p, dt)
     b_3, jerk_3 = _smooth_acceleration(m_3, a[2], p, dt)
     inch = actuator_speeds_to_joint_rates(s, p.inches, p.linkages)
-    torque, extra = _swing_forward(memory.torque, a[0], b_1, jerk, inertia(r, p.swing), p, dt)
+    m_11 = inertia(r, p.swing)
+    ahead = pushed(r, (b_1, b_2, b_3), m_11, p.swing.compliance, p.arm)
+    s = s[0] - ahead[0], s[1] - ahead[1], s[2] - ahead[2]
+    torque, extra = _swing_forward(memory.torque, a[0], b_1, jerk, m_11, p, dt)
     yields = yielding_rates(r, a, (b_1, b_2, b_3), (jerk, jerk_2, jerk_3), p.arm)
     x_1 = Signals(a=a[0], b=b_1, r=r[0], s=s[0], v=v[0], w=extra)
     x_2 = Signals(a=a[1], b=b_2, r=r[1], s=s[1], v=v[1], w=_onwards(yields[0], a[1]))
@@ -237,11 +241,12 @@ def _swing_forward(
 ) -> tuple[float, float]:
     """Return the torque [N m] that the driver has learnt, and the rate [rad/s] to add to the swing's.
 
-    The hoses yield under the torque M_11 b + B a, and take up oil as it grows. The driver learns
-    the load slowly: what it has not learnt makes the valve slower by half its share of the valve's
-    drop.
+    The hoses yield under the torque M_11 b + B a, and take up oil as it grows; the column twists. The
+    driver learns the load slowly: what it has not learnt makes the valve slower by half its share of
+    the valve's drop.
     """
     torque = m_11 * b + p.swing.damping * a
     known += (1.0 - math.exp(-p.load_bandwidth * dt)) * (torque - known)
     slower = abs(a) * (torque - known) / (2.0 * p.swing.valve_drop)
-    return known, (m_11 * jerk + p.swing.damping * b) / p.swing.stiffness + slower
+    oil = (m_11 * jerk + p.swing.damping * b) / p.swing.stiffness
+    return known, oil + m_11 * jerk * p.swing.compliance + slower

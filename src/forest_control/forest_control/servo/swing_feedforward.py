@@ -16,6 +16,7 @@ changes as it speeds up. Boom and stick carry mostly their weight, which the val
 import math
 from typing import NamedTuple
 
+from forest_control.servo.arm_feedforward import compliance
 from forest_description.derived.actuator_kinematics import displacements
 from forest_description.derived.bodies import boom_body, stick_body
 from forest_description.machine import Machine
@@ -33,6 +34,7 @@ class SwingModel(NamedTuple):
     damping: float  # [N m s/rad]
     stiffness: float  # 2 D^2 / C [N m/rad]
     valve_drop: float  # N [N m] of a crane that is not loaded
+    compliance: float  # of the column [rad/(N m)]; 0: it does not twist
 
 
 def inertia(q: Vec3, load: SwingModel) -> float:
@@ -65,4 +67,5 @@ def swing_model(machine: Machine) -> SwingModel:
         stiffness=2.0 * oil**2 / capacitance,
         # A load-sensing pump leaves its margin for the inlet's edge; the outlet's, alike, takes as much.
         valve_drop=oil * min(machine.pump.supply_pressure, 2.0 * machine.pump.idle_pressure),
+        compliance=compliance(machine.swing.elasticity),
     )

@@ -18,9 +18,10 @@ from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
-from scipy.interpolate import CubicHermiteSpline
+import scipy
 
 from forest_control.config.controller_settings import Parameters
+from forest_control.servo.link_bending import link_angles
 from forest_control.taught.plan import RAMP, THERE, Leg, leg
 from forest_control.taught.tip_path import PathError, braked
 from forest_description.geometry.kinematics import inverse_kinematics, tip_position
@@ -89,13 +90,18 @@ def _ordered(what: str, values: Sequence[float], place: Sequence[int]) -> Vec3:
 def trajectory_leg(points: Sequence[TrajectoryPoint], here: Vec3, p: Parameters) -> Leg:
     """Return the leg that a trajectory asks for from where the tip is [m].
 
-    A first point at time 0 must be where the tip is. A later one is reached from there.
+    A first point at time 0 must be where the tip is. A later one is reached from there. The angles are of
+    the joints, as in `/joint_states`: links that bend hang below them, without a load.
 
     Raises:
         PathError: the tip is elsewhere, hardly moves, or cannot go there; the sentence says where.
     """
+    points = [
+        point._replace(angles=link_angles(point.angles, math.nan, p.speed_limits, p.coordinated.arm))
+        for point in points
+    ]
     if points[0].time > 0.0:
-        points = (TrajectoryPoint(0.0, inverse_kinematics(here, p.links)), *points)
+        points = [TrajectoryPoint(0.0, inverse_kinematics(here, p.links)), *points]
     away = math.dist(tip_position(points[0].angles, p.links), here)
     if away > THERE:
         raise PathError(
@@ -128,6 +134,8 @@ def _between(before: TrajectoryPoint, after: TrajectoryPoint, u: float) -> Vec3:
     if before.rates is None or after.rates is None:
         one, two, three = (a + u * (b - a) for a, b in zip(before.angles, after.angles, strict=True))
         return one, two, three
-    ends = CubicHermiteSpline([0.0, h], [before.angles, after.angles], [before.rates, after.rates])
+    ends = scipy.interpolate.CubicHermiteSpline(
+        [0.0, h], [before.angles, after.angles], [before.rates, after.rates]
+    )
     one, two, three = ends(u * h).tolist()
     return one, two, three

@@ -13,9 +13,8 @@
 The velocity scaling plans with R. What is not learnt, as a heavier load or a weak valve, shows in a
 valve that is fully open while its joint falls behind. Then all joints wait for that one: its
 reference goes slower than it moves, by h e, so it catches up. When the valve is no longer fully
-open, c rises and vanishes. A joint that hardly moves, because its load is as much as it bears, draws
-its reference along: what has run ahead would throw the tip once the load slips. The spool's position
-counts, not its voltage: a spool on its way gets all the voltage there is, and waiting would not help.
+open, c rises and vanishes. The spool's position counts, not its voltage: a spool on its way gets all
+the voltage there is, and waiting would not help.
 """
 
 import math
@@ -36,7 +35,6 @@ RISE = 0.5  # [s] in which a ceiling grows by the factor e; chosen, not measured
 LOWEST = 0.01  # [rad/s] of a ceiling: a joint that is stuck is still asked to move
 SPENT = 2.0  # [rad/s] of a ceiling that has risen so far that it counts as none; chosen
 FAR = 1e-3  # [rad] of e, 6 mm of the tip at 6 m: nearer, the joint follows
-STALLED = 5e-3  # [rad] of e that a joint keeps that does not move at all: 30 mm of the tip at 6 m; chosen
 STATUS_EVERY = 20  # [1] steps between two reports of the driver: 10 Hz
 WIDE = 0.95  # [1] of the rated voltage, from which a valve is fully open: noise and the lag keep it below 1
 
@@ -154,30 +152,6 @@ def _updated(limit: TrackingLimit, wide: bool, a: float, e: float, v: float, dt:
         return TrackingLimit(math.inf, 0.0)
     risen = limit.ceiling * math.exp(dt / RISE)
     return TrackingLimit(risen, limit.side) if risen < SPENT else TrackingLimit(math.inf, 0.0)
-
-
-def most_lead(limits: TrackingLimits, rated: Vec3, e: Vec3, v: Vec3) -> Vec3:
-    """Return how far ahead of each joint its reference may be [rad]; infinite unless its valve is fully open.
-
-    A joint that follows at a rate v comes to rest at v/h behind its reference: twice that is allowed.
-
-    Args:
-        limits: of the joints.
-        rated: greatest voltages [V].
-        e: references minus measured angles [rad].
-        v: measured rates [rad/s].
-    """
-    y = limits.spools
-    wide = open_wide(y, rated)
-    return (
-        _most_lead(wide[0] and y[0] * e[0] > 0.0, e[0], v[0]),
-        _most_lead(wide[1] and y[1] * e[1] > 0.0, e[1], v[1]),
-        _most_lead(wide[2] and y[2] * e[2] > 0.0, e[2], v[2]),
-    )
-
-
-def _most_lead(stalls: bool, e: float, v: float) -> float:
-    return STALLED + 2.0 * max(0.0, math.copysign(v, e * v)) / CATCH_UP if stalls else math.inf
 
 
 def ceiling(limit: TrackingLimit, rate: float) -> float:

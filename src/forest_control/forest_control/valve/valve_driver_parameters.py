@@ -61,7 +61,7 @@ class Settings(NamedTuple):
         float, tunable("of the dither; negative: half the file's hysteresis", "V", -1.0, 2.0)
     ] = -1.0
     dither_frequency: Annotated[float, tunable("of the dither", "Hz", 1.0, 100.0)] = 50.0
-    adapt: Annotated[bool, tunable("learn deadband and gain of every valve and direction")] = False
+    adapt: Annotated[bool, tunable("learn deadband and gain of every valve that has no compensator")] = True
     forgetting_time: Annotated[
         float, tunable("after which a sample counts for a third", "s", 1.0, 3600.0)
     ] = 20.0
@@ -212,9 +212,8 @@ def _spool(machine: Machine, axis: int) -> SpoolLaw:
 
 
 def _hysteresis(machine: Machine, axis: int) -> float:
-    """Return the hysteresis [V] that dither takes out; flow forces push a spool whatever its voltage."""
-    valve = machine.valve_of(axis)
-    return 0.0 if valve.centring_force else (valve.hysteresis or 0.0)
+    """Return the hysteresis [V] that dither takes out."""
+    return machine.valve_of(axis).hysteresis or 0.0
 
 
 def _hoses(machine: Machine, axis: int) -> tuple[float, float]:
@@ -284,5 +283,4 @@ def _flow(machine: Machine, axis: int) -> FlowParameters:
         position_noise=_position_noise(machine, axis),
         supply_pressure=machine.pump.supply_pressure,
         dead_time=machine.valve_of(axis).dead_time or 0.0,
-        compensated=int(machine.valve_of(axis).compensator is not None),
     )

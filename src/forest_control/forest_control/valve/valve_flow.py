@@ -44,7 +44,6 @@ class FlowParameters(NamedTuple):
     position_noise: float  # [m; rad] standard deviation of a sample
     supply_pressure: float  # [Pa]
     dead_time: float = 0.0  # of the valve [s]
-    compensated: int = 0  # not 0: its compensator takes an unknown part of the drop at the inlet
 
 
 class AxisMeasurement(NamedTuple):
@@ -141,9 +140,7 @@ def opening_from_flow(
     drop_1 = sample.supply - sample.valve_1 if forward else sample.valve_1
     drop_2 = sample.valve_2 if forward else sample.supply - sample.valve_2
     known_1, known_2 = _is_known(sample.port_1, drop_1, a), _is_known(sample.port_2, drop_2, a)
-    if a.compensated != 0:
-        known_1, known_2 = known_1 and not forward, known_2 and forward
-    elif sample.port_1 <= EMPTY and sample.port_2 <= EMPTY:
+    if sample.port_1 <= EMPTY and sample.port_2 <= EMPTY:
         # Both empty after a rest: nothing moves yet that a check valve might feed.
         known_1, known_2 = forward, not forward
     s_1 = way.resistance_1 * a.displacement_1**3 if known_1 else 0.0

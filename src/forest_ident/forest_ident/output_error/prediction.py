@@ -18,9 +18,10 @@ import numpy as np
 
 from forest_compile import flat_layout
 from forest_description.machine import Machine, load_machine
-from forest_description.types import AXES, Floats
+from forest_description.types import AXES, Floats, Vec3
 from forest_ident.measurements.readings import Columns, lagged, true_columns
 from forest_ident.measurements.session import THERMOCOUPLES, Session
+from forest_sim.equations.plant import at_joints
 from forest_sim.equations.plant_parameters import PlantParameters, plant_parameters
 from forest_sim.sensors.sensor_readings import surroundings
 from forest_sim.solver.compiled_plant import fastest_record
@@ -168,7 +169,7 @@ def _start(session: Session, p: PlantParameters, offsets: Offsets, start: Mappin
     angles = [float(np.mean(column[rows])) for column, rows in zip(columns, rests, strict=True)]
     rows = rests[0]
     true = tuple(angle + offset for angle, offset in zip(angles, offsets[:3], strict=True))
-    at_rest = equilibrium((true[0], true[1], true[2]), p)
+    at_rest = _at_rest((true[0], true[1], true[2]), p)
     plant = at_rest.plant
     for axis in AXES:
         ports = [f"{axis}_pressure_{port}_actuator" for port in (1, 2)]
@@ -177,3 +178,13 @@ def _start(session: Session, p: PlantParameters, offsets: Offsets, start: Mappin
             state = getattr(plant, axis)._replace(pressure_1=one, pressure_2=two)
             plant = plant._replace(**{axis: state})
     return at_rest._replace(plant=plant)
+
+
+def _at_rest(joints: Vec3, p: PlantParameters) -> Simulation:
+    """Return the plant at rest with its joints, which resolvers measure, at angles [rad]: 0.1 urad."""
+    links = joints
+    for _ in range(2 if p.elastic.present else 0):  # bending hardly changes over its own way: 1 % each time
+        held = at_joints(equilibrium(links, p).plant, p)
+        away = [joint - axis.angle for joint, axis in zip(joints, held.axes, strict=True)]
+        links = links[0] + away[0], links[1] + away[1], links[2] + away[2]
+    return equilibrium(links, p)

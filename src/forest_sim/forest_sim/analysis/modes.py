@@ -29,13 +29,13 @@ import math
 from typing import Any, NamedTuple
 
 import numpy as np
-from scipy.linalg import eig
+import scipy
 
 from forest_description.types import AXES, Floats, Vec3
 from forest_sim.equations.drive import DriveState
 from forest_sim.equations.elastic_links import Roots, RootState
 from forest_sim.equations.multibody import HeadState
-from forest_sim.equations.plant import AxisState, PlantState, at_joints, state_derivative
+from forest_sim.equations.plant import AxisState, PlantState, state_derivative
 from forest_sim.equations.plant_parameters import NO_GUARD, PlantParameters
 from forest_sim.equations.valve_ports import Ports, ports_at
 from forest_sim.half_step.compensator_step import openings_after
@@ -105,7 +105,7 @@ def operating_point(angles: Vec3, spools: Vec3, p: PlantParameters) -> Simulatio
     """Return the machine at rest at a pose, or in the steady motion that open valves give it there.
 
     Args:
-        angles: joint angles [rad].
+        angles: of the links [rad].
         spools: spool positions [V]; inside the overlap a valve is shut.
         p: the machine, `unguarded`.
     """
@@ -127,17 +127,14 @@ def operating_point(angles: Vec3, spools: Vec3, p: PlantParameters) -> Simulatio
 
 
 def _brought_back(plant: PlantState, angles: Vec3, p: PlantParameters) -> PlantState:
-    """Return a plant with its joints at a pose [rad] again, links bent and teeth pressed as they were."""
-    joints = at_joints(plant, p)
-    swing, boom, stick = (
-        axis._replace(angle=angle + (axis.angle - joint.angle))
-        for axis, joint, angle in zip(plant.axes, joints.axes, angles, strict=True)
-    )
+    """Return a plant with its links at a pose [rad] again, bent and with teeth pressed as they were."""
+    ways = tuple(angle - axis.angle for axis, angle in zip(plant.axes, angles, strict=True))
+    swing, boom, stick = (axis._replace(angle=angle) for axis, angle in zip(plant.axes, angles, strict=True))
     roots = (
-        root._replace(angle=angle) if link.inertia > 0.0 else root
-        for root, link, angle in zip(plant.roots, p.elastic.links, angles, strict=True)
+        root._replace(angle=root.angle + way) if link.inertia > 0.0 else root
+        for root, link, way in zip(plant.roots, p.elastic.links, ways, strict=True)
     )
-    drive = _turned(plant.drive, angles[0] - joints.swing.angle, p)
+    drive = _turned(plant.drive, ways[0], p)
     return plant._replace(swing=swing, boom=boom, stick=stick, drive=drive, roots=Roots(*roots))
 
 
@@ -226,7 +223,7 @@ def modes(angles: Vec3, spools: Vec3, p: PlantParameters) -> list[Mode]:
     a, kept = linearise(operating_point(angles, spools, p), p)
     a = _by_deflections(a, kept)
     scale = np.array([_difference(place) for place in kept])
-    values, left, right = eig(a * scale[np.newaxis, :] / scale[:, np.newaxis], left=True)
+    values, left, right = scipy.linalg.eig(a * scale[np.newaxis, :] / scale[:, np.newaxis], left=True)
     found = [
         _mode(value, np.abs(left[:, k].conj() * right[:, k]), kept)
         for k, value in enumerate(values)

@@ -19,15 +19,14 @@ from forest_sim.mechanics.gear import Gear
 from forest_sim.mechanics.pendulum import hanging_angles
 from forest_sim.solver.integrator import Events, Simulation
 
-SAGGINGS = 20  # times that the links' angles are found anew: each is a hundredth as wrong as the last
 PRELOAD = 0.1  # pressure in the less loaded chamber, as a share of the supply's
 
 
 def equilibrium(angles: Vec3, p: PlantParameters) -> Simulation:
-    """Return the machine at rest at the joint angles [rad], valves shut.
+    """Return the machine at rest with its links at the angles [rad], valves shut.
 
     The trapped volumes leave one pressure per cylinder free: the less loaded chamber gets `PRELOAD`
-    of the supply pressure. Links that give way hang below their joints by what gravity bends them.
+    of the supply pressure. Joints stand above links that give way by what gravity bends them.
     The swing's hoses have leaked empty, and the tank line through them. On a tilted platform the hose
     under load has the weight's pressure, as in slow creep, and a gear with play bears on one flank; on
     level ground it stands in the middle of its play. Bristles are straight.
@@ -36,21 +35,23 @@ def equilibrium(angles: Vec3, p: PlantParameters) -> Simulation:
     """
     angles = float(angles[0]), float(angles[1]), float(angles[2])  # compiled kernels know no whole numbers
     head = HeadState(*hanging_angles(angles[0], p.body), 0.0, 0.0) if p.head.mass > 0.0 else HANGING_STILL
-    links = _sagged(angles, head, p) if p.elastic.present else angles
-    bias, supply = _weight(links, head, p), idle_supply(p.supply)
+    bias, supply = mechanics(angles, (0.0, 0.0, 0.0), head, p).bias, idle_supply(p.supply)
+    swing = angles[0] + _give(bias[0], p.elastic.swing)
+    boom = angles[1] + _give(bias[1], p.elastic.boom)
+    stick = angles[2] + _give(bias[2], p.elastic.stick)
     return Simulation(
         PlantState(
-            swing=_leaning(links[0], bias[0], p.swing),
-            boom=_hold(links[1], bias[1] / lever_arm(angles[1], p.boom_linkage), p.boom, p),
-            stick=_hold(links[2], bias[2] / lever_arm(angles[2], p.stick_linkage), p.stick, p),
+            swing=_leaning(angles[0], bias[0], p.swing),
+            boom=_hold(angles[1], bias[1] / lever_arm(boom, p.boom_linkage), p.boom, p),
+            stick=_hold(angles[2], bias[2] / lever_arm(stick, p.stick_linkage), p.stick, p),
             supply=supply,
             head=head,
-            drive=DriveState(_motor_angle(angles[0], bias[0], p.drive.gear), 0.0, 0.0),
+            drive=DriveState(_motor_angle(swing, bias[0], p.drive.gear), 0.0, 0.0),
             pump=idle_pump(supply, p.supply),
             roots=Roots(
-                _root(angles[0], p.elastic.swing),
-                _root(angles[1], p.elastic.boom),
-                _root(angles[2], p.elastic.stick),
+                _root(swing, p.elastic.swing),
+                _root(boom, p.elastic.boom),
+                _root(stick, p.elastic.stick),
             ),
         ),
         (CENTRED, CENTRED, CENTRED),
@@ -61,21 +62,8 @@ def equilibrium(angles: Vec3, p: PlantParameters) -> Simulation:
     )
 
 
-def _weight(links: Vec3, head: HeadState, p: PlantParameters) -> Vec3:
-    """Return the torques that hold the links at rest at their angles [rad]."""
-    return mechanics(links, (0.0, 0.0, 0.0), head, p).bias
-
-
-def _sagged(joints: Vec3, head: HeadState, p: PlantParameters) -> Vec3:
-    """Return the angles [rad] at which boom and stick rest below their joints; a swing rests straight."""
-    boom, stick, links = p.elastic.boom, p.elastic.stick, joints
-    for _ in range(SAGGINGS):
-        torque = _weight(links, head, p)
-        links = joints[0], joints[1] - _give(torque[1], boom), joints[2] - _give(torque[2], stick)
-    return links
-
-
 def _give(torque: float, link: ElasticLink) -> float:
+    """Return by how much a joint stands before its link [rad] that bears a torque [N m]."""
     return torque / link.stiffness if link.inertia > 0.0 else 0.0
 
 

@@ -4,7 +4,7 @@ A run gives what `closed_loop.run` gives, to the last bit, for sensors without f
 released while a run is under way, so that threads use all cores.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from functools import lru_cache
 from typing import Any, NamedTuple
 
@@ -27,6 +27,7 @@ from forest_sim.sensors.sensor_readings import CHANNEL_COUNT, NOMINAL, Sensors
 from forest_sim.sensors.sensor_suite import Suite, noise_generator
 from forest_sim.solver import plant_kernel
 from forest_sim.solver.equilibrium import equilibrium
+from forest_sim.solver.load_change import changed_load
 from forest_study.closed_loop import closed_loop, loop_core, path_guide
 from forest_study.closed_loop.closed_loop import ClosedLoop, Joystick, Operator, Trajectory
 from forest_study.closed_loop.link_model import Reports
@@ -38,6 +39,7 @@ NOINLINE = (*plant_kernel.NOINLINE, *control_compiled.NOINLINE)
 # state, knowledge, levers (4 a row: swing, boom, stick, enabled), normals, recorded, rows; of an operator who
 # leads the reference: places (3 a period), hand and guide, the clock of each row; numbers given as it runs
 ARGUMENTS = "pppppipppp"
+NO_LOADS: Mapping[int, PlantParameters] = {}
 LEADS_NOT = np.array([0.0, 1.0, 0.0, 1.0, *[0.0] * 7])  # of hand and guide
 RECORDED = 27
 runtime_numbers = np.zeros(1)
@@ -60,9 +62,13 @@ class Prepared(NamedTuple):
     levers: Floats  # [N, 4]
     normals: Floats  # [N, CHANNEL_COUNT]
 
-    def run(self) -> Trajectory:
-        """Run the session from its beginning."""
-        return self._run(np.zeros(3), LEADS_NOT.copy()).moved
+    def run(self, loads: Mapping[int, PlantParameters] = NO_LOADS) -> Trajectory:
+        """Run the session from its beginning.
+
+        Args:
+            loads: what is simulated from rows on in which the head grasps or drops a log.
+        """
+        return self._run(np.zeros(3), LEADS_NOT.copy(), loads).moved
 
     def lead(self, places: Floats, hand: Hand) -> Led:
         """Run a session in which an operator leads the reference; of the levers only the deadman counts.
@@ -74,18 +80,30 @@ class Prepared(NamedTuple):
             hand: joystick and operator.
         """
         guide = np.array([len(places) - 1, *hand, 0.0, 0.0, *places[0], 0.0])
-        return self._run(np.ascontiguousarray(places), guide)
+        return self._run(np.ascontiguousarray(places), guide, NO_LOADS)
 
-    def _run(self, places: Floats, guide: Floats) -> Led:
+    def _run(self, places: Floats, guide: Floats, loads: Mapping[int, PlantParameters]) -> Led:
         rows, state, levers = len(self.levers), self.state.copy(), self.levers.copy()
-        recorded, clock = np.empty((rows, RECORDED)), np.zeros(rows)
-        before, after = (state, self.knowledge, levers, self.normals, recorded), (places, guide, clock)
+        recorded, clock, knowledge = np.empty((rows, RECORDED)), np.zeros(rows), self.knowledge.copy()
+        before, after = (state, knowledge, levers, self.normals, recorded), (places, guide, clock)
         pointers = [[array.ctypes.data for array in arrays] for arrays in (before, after)]
-        KERNEL.kernel()(*pointers[0], rows, *pointers[1], runtime_numbers.ctypes.data)
+        for row in (*sorted(loads), rows):
+            KERNEL.kernel()(*pointers[0], row, *pointers[1], runtime_numbers.ctypes.data)
+            if row in loads:
+                _change_load(state, knowledge, loads[row])
         made = int(guide[-1])
         columns = np.split(recorded[:made], (3, 6, 9, 12, 15), axis=1)  # of `Happened`
         moved = Trajectory(PERIOD * np.arange(made, dtype=np.float64), *columns)
         return Led(moved, levers[:made], clock[:made])
+
+
+def _change_load(state: Floats, knowledge: Floats, plant: PlantParameters) -> None:
+    """Go on with the parameters of a machine whose head holds another log."""
+    loop: Loop = flat_layout.unpacker(_example()[1])(state.tolist())
+    k: Knowledge = flat_layout.unpacker(_example()[0])(knowledge.tolist())
+    simulation = changed_load(loop.simulation, k.sensors.plant, plant).simulation
+    state[:] = _pack("loop", loop._replace(simulation=simulation))
+    knowledge[:] = _pack("knowledge", k._replace(sensors=k.sensors._replace(plant=plant)))
 
 
 def run(*arguments: Any, **named: Any) -> Trajectory:
@@ -253,7 +271,7 @@ def entry() -> Entry:
         "def kernel(state, knowledge, levers, normals, recorded, rows, places, guide, clock, runtime):",
         "    last, every = int(guide[0]), int(guide[3])",
         "    hand = Hand(guide[1], guide[2], every, guide[4])",
-        "    for row in range(rows):",
+        "    for row in range(int(guide[10]), rows):",
         f"        before = {flat_layout.construction(loop, 'state', names)}",
         "        spoken = row % every == 0",
         "        led = Guide(guide[5], guide[6], (guide[7], guide[8], guide[9]))",

@@ -12,6 +12,7 @@
 | dead_time, hysteresis | of all valves, 0 .. so much, evenly; 0: none | as in the file |
 | backlash | free way of the swing's gear, 0 .. backlash, evenly; 0: none | as in the file |
 | oil | temperature, 0 .. oil, evenly | as in the file |
+| bending | stiffness of column, boom and stick: times 1 -+ bending, evenly; rigid ones stay | 0 |
 
 What is drawn is the simulated machine; what controller and driver believe stays. Equal seeds draw equal
 machines, whatever else is drawn from them.
@@ -25,6 +26,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from forest_description.components.drives import Backlash
+from forest_description.components.elasticity import Elasticity
 from forest_description.components.hose import MeasuredHose
 from forest_description.components.load import RotatorAndGrapple
 from forest_description.components.oil import Oil
@@ -50,6 +52,7 @@ HIGHEST = {
     "hysteresis": 5.0,
     "backlash": 5.0,
     "oil": 100.0,
+    "bending": 0.9,
 }
 LOWEST = {"head_mass": 1.0, "spool": 1.0}  # the others: 0
 LEAST_HEAD = 50.0  # [kg] under a rotator, or alone
@@ -58,7 +61,7 @@ LEAST_FREE_WAY = 1e-6  # [rad] less is none
 HELP = (
     "every run's machine is drawn: valves' deadbands and gains, head, spools; RANGES: "
     "deadband=0.15,gain=0.4,head_mass=2,spool=1.5 or some of them (these are the defaults); also stiffness, "
-    "tilt (deg), head (kg), dead_time (s), hysteresis (V), backlash (deg), oil (deg C)"
+    "tilt (deg), head (kg), dead_time (s), hysteresis (V), backlash (deg), oil (deg C), bending"
 )
 
 
@@ -76,6 +79,7 @@ class Ranges(NamedTuple):
     hysteresis: float | None = None  # [V]
     backlash: float | None = None  # [deg]
     oil: float | None = None  # [degree Celsius]
+    bending: float = 0.0
 
 
 class Mismatch(NamedTuple):
@@ -93,6 +97,7 @@ class Mismatch(NamedTuple):
     hysteresis: float | None  # [V]
     backlash: float | None  # [rad]
     oil: float | None  # [K]
+    links: Vec3  # factors of the links' stiffness
 
     def told(self) -> dict[str, Any]:
         """Return it as JSON has it."""
@@ -101,7 +106,7 @@ class Mismatch(NamedTuple):
 
 def draw(seed: int, ranges: Ranges) -> Mismatch:
     """Return a seed's machine."""
-    chance = np.random.default_rng([seed, STREAM]).uniform(-1.0, 1.0, 24).tolist()
+    chance = np.random.default_rng([seed, STREAM]).uniform(-1.0, 1.0, 27).tolist()
 
     def share(k: int, most: float | None) -> float | None:
         return None if most is None else 0.5 * (1.0 + chance[k]) * most
@@ -124,6 +129,11 @@ def draw(seed: int, ranges: Ranges) -> Mismatch:
         hysteresis=share(21, ranges.hysteresis),
         backlash=None if backlash is None else math.radians(backlash),
         oil=None if oil is None else oil + ICE,
+        links=(
+            1.0 + ranges.bending * chance[24],
+            1.0 + ranges.bending * chance[25],
+            1.0 + ranges.bending * chance[26],
+        ),
     )
 
 
@@ -133,12 +143,12 @@ def applied(machine: Machine, m: Mismatch) -> PlantParameters:
     Raises:
         MachineError: the machine lacks what is drawn.
     """
-    p = parameters_of(_drawn(machine, m))
+    p = parameters_of(drawn(machine, m))
     one, two, three = (_valve(p.valves[i], i, m) for i in range(3))
     return p._replace(valves=(one, two, three))
 
 
-def _drawn(machine: Machine, m: Mismatch) -> Machine:
+def drawn(machine: Machine, m: Mismatch) -> Machine:
     """Return a machine with all that is off but its valves' edges and spools.
 
     Raises:
@@ -169,13 +179,18 @@ def _drawn(machine: Machine, m: Mismatch) -> Machine:
 
 
 def _own(machine: Machine, axis: int, m: Mismatch) -> dict[str, Any]:
-    """Return an axis' own hose and valve."""
+    """Return an axis' own hose and valve, and its link."""
     own, hose = machine.drives[axis].valve, machine.hose_of(axis)
     if m.hoses[axis] != 1.0:
         if not isinstance(hose, MeasuredHose):
             raise MachineError("the stiffness of a geometric hose is not drawn; allowed: a measured one")
         hose = dataclasses.replace(hose, capacitance=hose.capacitance / m.hoses[axis])
-    return {"hose": hose, "valve": own and _played(own, m)}
+    return {"hose": hose, "valve": own and _played(own, m), "elasticity": _bent(machine, axis, m)}
+
+
+def _bent(machine: Machine, axis: int, m: Mismatch) -> Elasticity | None:
+    link = machine.drives[axis].elasticity
+    return link and dataclasses.replace(link, stiffness=m.links[axis] * link.stiffness)
 
 
 def _played(valve: Valve, m: Mismatch) -> Valve:

@@ -30,7 +30,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="NAME",
         help=f"control laws, one after the other: {', '.join(RIVALS)} (default: coordinated)",
     )
-    add("--adapt", action="store_true", help="the valve driver learns deadbands and gains on the way")
+    learns = "the valve driver learns deadbands and gains on the way (default: it does)"
+    add("--adapt", action=argparse.BooleanOptionalAction, default=True, help=learns)
 
 
 def run(options: argparse.Namespace) -> int:

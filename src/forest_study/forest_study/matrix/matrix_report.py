@@ -7,8 +7,9 @@ from typing import Any
 import matplotlib
 import numpy as np
 
+from forest_study.matrix.figures import Figures
 from forest_study.matrix.matrix_rows import Aim, MatrixRow
-from forest_study.matrix.matrix_runs import Figures, Outcome
+from forest_study.matrix.matrix_runs import Outcome
 
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt

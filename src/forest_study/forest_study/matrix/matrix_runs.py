@@ -15,11 +15,13 @@ import numpy as np
 
 from forest_control.limits.load_moment import allowed_load, capacity
 from forest_control.taught.tip_path import PathError, TipPath
-from forest_description.machine import Machine
+from forest_description.machine import Machine, Manipulator
 from forest_msgs_py.types import PERIOD
 from forest_sim.equations.plant_parameters import PlantParameters
 from forest_study.closed_loop import loop_kernel, model_mismatch
 from forest_study.closed_loop.path_guide import Hand
+from forest_study.matrix.figures import Figures
+from forest_study.matrix.load_change import grasped_and_dropped
 from forest_study.matrix.matrix_rows import MatrixRow
 from forest_study.matrix.rivals import OURS, Rival
 from forest_study.tracking.tracking import Course, Session, follow, noisy, prepare
@@ -32,24 +34,6 @@ BOUND_DELAY, BOUND = 0.05, 0.015  # [s], [m] of the wish error beside joystick a
 ENDING = 40  # rows before a profile's end, from which the tip may be beyond it
 PLACES = 100  # of a path at which its reach is looked at: closer than 3 cm on the longest
 WAITED = 0.1  # [s] by which a run takes longer than its profile, and a limit has acted
-
-
-class Figures(NamedTuple):
-    """What a run is judged by; of a seed, the worst of its paths."""
-
-    cross_track_rms_mm: float
-    cross_track_max_mm: float
-    governed_rms_mm: float
-    governed_max_mm: float
-    wish_rms_mm: float
-    wish_max_mm: float
-    wish_over_bound: float  # share of its bound, of runs in which no limit acted
-    waited_s: float  # longer than the profile, because a limit acted
-    time_lost_s: float
-    velocity_rms: float  # [m/s] against the governed reference
-    end_mm: float
-    overshoot_mm: float  # beyond the path's end, along its last direction
-    activity: float  # [V/s] mean of |dV/dt| of the busiest valve
 
 
 class Outcome(NamedTuple):
@@ -71,6 +55,7 @@ class _Plant(NamedTuple):
     steps: float
     dead_time: float  # [s]
     head: float  # [kg]
+    crane: Manipulator
     told: dict[str, Any]
 
 
@@ -78,7 +63,7 @@ def run_row(
     row: MatrixRow,
     machine: Machine,
     seeds: Sequence[int],
-    adapt: bool = False,
+    adapt: bool = True,
     laps: int = 1,
     rival: Rival = OURS,
 ) -> list[Outcome]:
@@ -105,7 +90,7 @@ def run_row(
     def one(seed: int) -> Outcome:
         plant = _plant(row, machine, seed)
         paths = {
-            course.drawn[0].lap.path.name: _figures(course, machine, plant, seed, adapt)
+            course.drawn[0].lap.path.name: _figures(course, machine, plant, seed, adapt, row.load)
             for course in courses[row.speeds[seed % len(row.speeds)]]
         }
         return Outcome(
@@ -147,13 +132,18 @@ def _plant(row: MatrixRow, machine: Machine, seed: int) -> _Plant:
         steps=STEPS if row.joystick else 0.0,
         dead_time=dead_time or 0.0,
         head=machine.manipulator.head_mass if off.head is None else off.head,
+        crane=model_mismatch.drawn(machine, off).manipulator,
         told=told,
     )
 
 
-def _figures(course: Course, machine: Machine, plant: _Plant, seed: int, adapt: bool) -> Figures | None:
+def _figures(
+    course: Course, machine: Machine, plant: _Plant, seed: int, adapt: bool, load: float
+) -> Figures | None:
     hand = _hand(course.hand, plant)
     suite = noisy(plant.sensed, seed)
+    if load > 0.0:
+        return grasped_and_dropped(course, machine, suite, adapt, plant.parameters, plant.crane, load)
     try:
         session = follow(course._replace(hand=hand), machine, suite, adapt, plant.parameters)
     except PathError:

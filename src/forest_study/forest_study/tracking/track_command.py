@@ -61,7 +61,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="RANGES",
         help=model_mismatch.HELP,
     )
-    add("--adapt", action="store_true", help="the valve driver learns deadbands and gains on the way")
+    learns = "the valve driver learns deadbands and gains on the way (default: it does)"
+    add("--adapt", action=argparse.BooleanOptionalAction, default=True, help=learns)
     add("--laps", type=whole(1, 1000), default=1, metavar="N", help="default: %(default)s")
     add("--through-ros", action="store_true", help="the nodes make every run, in lockstep; same figures")
 

@@ -49,7 +49,7 @@ def run_many(
     machine: Machine,
     seeds: Sequence[int],
     varied: Callable[[int], Variation],
-    adapt: bool = False,
+    adapt: bool = True,
     workers: int | None = None,
 ) -> tuple[list[Run], Session]:
     """Return every seed's figures, and the first one's whole session.

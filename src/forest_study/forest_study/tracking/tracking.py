@@ -74,7 +74,7 @@ def track(
     model: Machine,
     suite: Suite | None = None,
     laps: int = 1,
-    adapt: bool = False,
+    adapt: bool = True,
     source: Source = Source.CYLINDERS,
 ) -> Session:
     """Run laps along a path.
@@ -120,7 +120,7 @@ def follow(
     course: Course,
     machine: Machine,
     suite: Suite | None = None,
-    adapt: bool = False,
+    adapt: bool = True,
     plant: PlantParameters | None = None,
 ) -> Session:
     """Run a course; arguments as `track`; plant: what is simulated instead of the machine's parameters."""
