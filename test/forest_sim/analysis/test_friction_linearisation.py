@@ -6,8 +6,8 @@ import math
 
 import numpy as np
 import pytest
-from full_machine import rigid
 from free_swings import rates_after
+from full_machine import rigid
 from scipy.integrate import quad
 
 from forest_description.geometry.linkage import lever_arm

@@ -35,7 +35,7 @@ from forest_description.types import AXES, Floats, Vec3
 from forest_sim.equations.drive import DriveState
 from forest_sim.equations.elastic_links import Roots, RootState
 from forest_sim.equations.multibody import HeadState
-from forest_sim.equations.plant import AxisState, PlantState, at_joints, state_derivative
+from forest_sim.equations.plant import AxisState, PlantState, state_derivative
 from forest_sim.equations.plant_parameters import NO_GUARD, PlantParameters
 from forest_sim.equations.valve_ports import Ports, ports_at
 from forest_sim.half_step.compensator_step import openings_after
