@@ -100,7 +100,7 @@ def table(trials: list[Trial]) -> str:
 def source() -> str:
     """Return a digest of what estimates: the modules of forest_ident."""
     digest = hashlib.sha256()
-    for file in sorted(Path(forest_ident.__path__[0]).glob("*.py")):
+    for file in sorted(Path(forest_ident.__path__[0]).rglob("*.py")):
         digest.update(file.read_bytes())
     return digest.hexdigest()[:12]
 

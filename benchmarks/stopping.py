@@ -10,6 +10,9 @@ believe the machine as its file has it. Both machines, and every row, get the sa
 | mm | its greatest way along the direction that it had, within 0.5 s |
 | beside | its greatest way beside that line, within 0.5 s |
 | rocks | of how many motions the tip was faster than 0.05 m/s at any time from 0.25 s to 1.5 s |
+| rock | its greatest distance from its mean place of 1 to 1.5 s, from 0.25 s on |
+
+Rows of the matrix draw another plant for every motion, as `forest-study matrix` does in its row "both".
 
 Motions whose tip was slower than 0.05 m/s when the deadman was let go do not count.
 """
@@ -35,12 +38,14 @@ from forest_description.geometry.kinematics import tip_position
 from forest_description.machine import Machine, load_machine
 from forest_description.types import ZERO
 from forest_msgs_py.types import PERIOD
-from forest_sim.equations.plant_parameters import plant_parameters
+from forest_sim.equations.plant_parameters import PlantParameters, plant_parameters
 from forest_sim.sensors.sensor_readings import true_joints
 from forest_sim.solver.compiled_plant import compiled_advance
 from forest_study.closed_loop import loop_kernel
 from forest_study.closed_loop.closed_loop import ClosedLoop, Operator, Trajectory
 from forest_study.closed_loop.loop_core import SUBSTEPS
+from forest_study.closed_loop.model_mismatch import applied, draw
+from forest_study.matrix.matrix_rows import matrix_rows
 from forest_study.tracking.tracking import noisy
 
 Floats = NDArray[np.float64]
@@ -60,6 +65,7 @@ class Row(NamedTuple):
     speed: float = 0.5  # [m/s]
     scheme: Scheme = Scheme.COORDINATED
     emergency: bool = False  # zero voltage instead of the stop along the path
+    drawn: bool = False  # every motion has another plant
 
 
 class Motion(NamedTuple):
@@ -78,6 +84,7 @@ class Stop(NamedTuple):
     way: float  # [m]
     beside: float  # [m]
     later: float  # [m/s] greatest speed after `WITHIN`
+    rock: float  # [m] greatest distance from its place at rest after `WITHIN`
     margin: float  # [rad] least, of all joints
     shut: float  # [s] after the release, from when on no valve is open
 
@@ -111,6 +118,8 @@ ROWS = {
     "hot": Row("oil of 80 °C, unknown", _oil(80.0)),
     "fast": Row("1 m/s", _same, 1.0),
     "emergency": Row("emergency stop", _same, emergency=True),
+    "matrix": Row("plants of the matrix", _same, drawn=True),
+    "matrix-emergency": Row("plants of the matrix, emergency stop", _same, emergency=True, drawn=True),
     "joint": Row("`joint`, levers up to full", _same, 0.5, Scheme.JOINT),
 }
 
@@ -134,8 +143,11 @@ def motion(machine: Machine, number: int, speed: float) -> Motion:
 def run(machine: Machine, model: Machine, number: int, row: Row) -> tuple[Trajectory, int]:
     """Return a motion's session, and the row in which the deadman is let go."""
     done, settings = motion(model, number, row.speed), controller_settings.Settings(tip_speed=row.speed)
+    plant = plant_parameters(machine)
+    if row.drawn:
+        plant = applied(machine, draw(number, matrix_rows()["both"].ranges))
     if row.emergency:
-        return slammed(machine, done, settings, number), done.released
+        return slammed(machine, done, settings, number, plant), done.released
     given = (
         machine,
         done.levers,
@@ -143,16 +155,20 @@ def run(machine: Machine, model: Machine, number: int, row: Row) -> tuple[Trajec
         settings._replace(scheme=row.scheme),
         valve_driver_parameters.Settings(),
     )
-    return loop_kernel.run(*given, model=model, suite=noisy(machine, number)), done.released
+    return loop_kernel.run(*given, model=model, suite=noisy(machine, number), plant=plant), done.released
 
 
 def slammed(
-    machine: Machine, done: Motion, settings: controller_settings.Settings, number: int
+    machine: Machine,
+    done: Motion,
+    settings: controller_settings.Settings,
+    number: int,
+    plant: PlantParameters,
 ) -> Trajectory:
     """Return a session whose valves get zero voltage when the deadman would be let go."""
     control = controller_settings.parameters(machine, settings)
     drive = valve_driver_parameters.parameters(machine, valve_driver_parameters.Settings())
-    plant, links, rows = plant_parameters(machine), machine.manipulator.links, []
+    links, rows = machine.manipulator.links, []
     loop = ClosedLoop(plant, control, drive, done.start, noisy(machine, number), fast=True)
     for *levers, held in done.levers[: done.released].tolist():
         happened = loop.period(Operator(Levers(*levers), held > 0.0))
@@ -184,6 +200,9 @@ def stop_of(moved: Trajectory, released: int, machine: Machine) -> Stop:
         way=float(forward.max()),
         beside=float(np.linalg.norm(way - np.outer(forward, along), axis=1).max()),
         later=float(speeds[late:].max()),
+        rock=float(
+            np.linalg.norm(moved.tip[released + late :] - moved.tip[-JUDGED:].mean(axis=0), axis=1).max()
+        ),
         margin=float(np.minimum(moved.angles - low, high - moved.angles).min()),
         shut=PERIOD * float(open_valves[-1] + 1) if len(open_valves) else 0.0,
     )
@@ -209,6 +228,7 @@ def cells(ended: list[Stop]) -> list[str]:
         spread((1e3 * stop.way for stop in ended), ".0f"),
         spread((1e3 * stop.beside for stop in ended), ".0f"),
         f"{rocks:.0%}".replace("%", " %"),
+        spread((1e3 * stop.rock for stop in ended), ".0f"),
     ]
 
 
@@ -233,8 +253,12 @@ def main() -> None:
     parser.add_argument("--json", type=Path, metavar="FILE", help="every motion's figures")
     options = parser.parse_args()
     ended: dict[str, dict[str, list[Stop]]] = {name: {} for name in options.machines}
-    print("| | " + " | ".join(f"{name}, s | mm | beside, mm | rocks" for name in options.machines) + " |")
-    print("|---|" + "---|" * 4 * len(options.machines))
+    print(
+        "| | "
+        + " | ".join(f"{name}, s | mm | beside, mm | rocks | rock, mm" for name in options.machines)
+        + " |"
+    )
+    print("|---|" + "---|" * 5 * len(options.machines))
     for key in options.rows:
         line = [ROWS[key].title]
         for name in options.machines:

@@ -230,14 +230,16 @@ install_run() {
 
 # The page's tests drive a real browser. Whoever may install packages gets one; others are told.
 install_browser() {
-    local name
+    local name packages
     for name in chromium chromium-browser google-chrome; do
         ! type -P "$name" >/dev/null || return 0
     done
     if ((EUID == 0)) && type -P apt-get >/dev/null; then
         run_step "apt-get update" apt-get --quiet update
+        packages=(chromium)
+        ! apt-cache show chromium-headless-shell >/dev/null 2>&1 || packages+=(chromium-headless-shell)
         run_step "installing chromium" env DEBIAN_FRONTEND=noninteractive \
-            apt-get --quiet --yes install --no-install-recommends chromium
+            apt-get --quiet --yes install --no-install-recommends "${packages[@]}"
     else
         say "no Chromium was found, so the tests of the operator's page are skipped:" \
             "install it (Debian: sudo apt install chromium)."

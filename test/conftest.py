@@ -18,7 +18,7 @@ from typing import Any
 
 import pytest
 from peer import Peer
-from processes import FORKED, ForkedNode, Process, Told
+from processes import ForkedNode, Process, Told
 
 import forest_msgs_py
 
@@ -115,12 +115,15 @@ def make_node(ros_context: Any) -> Iterator[Callable[..., Any]]:
 
 @pytest.fixture
 def start_process(tmp_path: Path) -> Iterator[Callable[..., Told]]:
-    """Starts processes (``python=True``: arguments for this interpreter); none of them outlives the test."""
+    """Starts processes (``python=True``: arguments for this interpreter); none of them outlives the test.
+
+    A module without further options is forked, not started anew.
+    """
     started: list[Any] = []
 
     def start(argv: list[str], python: bool = True, **options: Any) -> Told:
         log = tmp_path / f"process_{len(started)}.log"
-        if python and argv[0] == "-m" and argv[1] in FORKED and not options:
+        if python and argv[0] == "-m" and not options:
             started.append(ForkedNode(argv[1], argv[2:], log))
         else:
             started.append(Process([sys.executable, *argv] if python else argv, log, **options))

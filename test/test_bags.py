@@ -6,7 +6,6 @@ import pytest
 
 pytest.importorskip("rclpy")
 
-from forest_study import cli
 from forest_study.demo import reference_bags
 
 BAGS = Path(__file__).resolve().parents[1] / "bags"
@@ -20,12 +19,10 @@ TOLERANCE = "1e-6"
 
 
 @pytest.mark.parametrize("name", reference_bags.NAMES)
-def test_a_reference_bag_replayed_is_itself(name, tmp_path, monkeypatch, session_domain_id, capsys):
-    monkeypatch.setenv("ROS_DOMAIN_ID", str(session_domain_id))
+def test_a_reference_bag_replayed_is_itself(name, tmp_path, domain_id, start_process):
     options = ("--nodes", *REPLAYED[name], "--tolerance", TOLERANCE, "--out", str(tmp_path / "out"))
-    code = cli.main(["replay", str(BAGS / name), *options])
-    told = capsys.readouterr()
-    assert code == 0, f"{told.out}{told.err}\nmeant to change? `scripts/bags.sh` makes the bags anew"
+    replay = start_process(["-m", "forest_study.cli", "replay", str(BAGS / name), *options])
+    assert replay.ended() == 0, f"{replay.text()}\nmeant to change? `scripts/bags.sh` makes the bags anew"
 
 
 def test_the_reference_bags_are_under_3_mb_together_and_name_no_directory_of_their_maker():

@@ -1,10 +1,10 @@
 """docs/explanation/equations.md and the docstrings agree: which thesis equation is computed where."""
 
 import ast
+import functools
 import importlib
 import inspect
 import re
-from functools import reduce
 from pathlib import Path
 
 import pytest
@@ -56,6 +56,7 @@ def module_of(name):
     return next(m for m in (name.rsplit(".", n)[0] for n in (0, 1, 2)) if m in MODULES)
 
 
+@functools.cache
 def docstrings():
     """Return {dotted name of a module, class or function of src: its docstring}."""
     found = {}
@@ -78,9 +79,8 @@ def table():
     return [(row[1], re.findall(r"`([\w.]+)`", row[2])) for row in ROW.finditer(DOCUMENT)]
 
 
-DOCSTRINGS, TABLE = docstrings(), table()
+TABLE = table()
 LISTED = {(name, citation) for citation, names in TABLE for name in names}
-CITED = {(name, citation) for name, text in DOCSTRINGS.items() for citation in citations(text)}
 
 
 @pytest.mark.parametrize(
@@ -104,7 +104,7 @@ def test_citations_are_spelled_in_one_way():
     allowed = {f"Thesis {kind}" for kind in KINDS}
     wrong = {
         (name, " ".join(match[0].split()))
-        for name, text in DOCSTRINGS.items()
+        for name, text in docstrings().items()
         for match in ANY_SPELLING.finditer(text)
         if " ".join(match[0].split()) not in allowed
     }
@@ -126,7 +126,9 @@ def test_every_row_of_the_document_is_read():
 @pytest.mark.parametrize("name", sorted({name for name, _ in LISTED}))
 def test_what_the_table_names_exists(name):
     module = module_of(name)
-    found = reduce(getattr, name.removeprefix(f"{module}.").split("."), importlib.import_module(module))
+    found = functools.reduce(
+        getattr, name.removeprefix(f"{module}.").split("."), importlib.import_module(module)
+    )
     assert inspect.isfunction(found) or inspect.isclass(found)
 
 
@@ -134,13 +136,14 @@ def test_every_function_of_the_table_cites_the_equation_itself_or_in_its_module(
     silent = {
         (name, citation)
         for name, citation in LISTED
-        if citation not in citations(DOCSTRINGS.get(name, "") + "\n" + DOCSTRINGS[module_of(name)])
+        if citation not in citations(docstrings().get(name, "") + "\n" + docstrings()[module_of(name)])
     }
     assert not silent
 
 
 def test_every_citation_of_a_function_is_in_the_table():
-    unlisted = {(name, citation) for name, citation in CITED if name not in MODULES} - LISTED
+    cited = {(name, citation) for name, text in docstrings().items() for citation in citations(text)}
+    unlisted = {(name, citation) for name, citation in cited if name not in MODULES} - LISTED
     in_modules = {(module_of(name), citation) for name, citation in LISTED}
-    unlisted |= {(name, citation) for name, citation in CITED if name in MODULES} - in_modules
+    unlisted |= {(name, citation) for name, citation in cited if name in MODULES} - in_modules
     assert not unlisted

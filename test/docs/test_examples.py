@@ -12,10 +12,21 @@ from page_examples import examples, matches, run_page
 ROOT = Path(__file__).resolve().parents[2]
 DOCS = ROOT / "docs"
 FIRST = "tutorials/first-demo.md"  # leaves the bag that other pages look at
+
+
+def changes_sources(page):
+    """Tell whether a page's reader changes the sources."""
+    return any(one.kind == "diff" for one in examples(DOCS / page))
+
+
+# Who changes sources comes last: then no kernel fits them, and nodes run interpreted, for the pages after it.
 PAGES = sorted(
-    path.relative_to(DOCS).as_posix()
-    for room in ("tutorials", "how-to")
-    for path in (DOCS / room).glob("*.md")
+    (
+        path.relative_to(DOCS).as_posix()
+        for room in ("tutorials", "how-to")
+        for path in (DOCS / room).glob("*.md")
+    ),
+    key=lambda page: (changes_sources(page), page),
 )
 
 # The one place that lists what is not run: page, and how many of its blocks.
@@ -66,7 +77,7 @@ def test_the_first_demo_leaves_its_bag(workplace):
 @pytest.mark.parametrize("page", [page for page in PAGES if page != FIRST])
 def test_a_page_runs_as_it_is_written(page, workplace):
     folder, environment = workplace
-    if (folder / "src").exists() or any(one.kind == "diff" for one in examples(DOCS / page)):
+    if (folder / "src").exists() or changes_sources(page):
         shutil.copytree(ROOT / "src", folder / "src", dirs_exist_ok=True)
     run_page(DOCS / page, folder, environment)
 

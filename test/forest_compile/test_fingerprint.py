@@ -10,7 +10,7 @@ import pytest
 pytest.importorskip("llvmlite")
 
 from forest_compile import fingerprint
-from forest_compile.entry import Entry
+from forest_compile.entry import Entry, RuntimeNumber
 from forest_compile.frontend import translate
 
 KINDS = """
@@ -148,6 +148,16 @@ def test_another_flat_layout_is_another_digest(entry, values):
 
 def test_other_numbers_in_the_same_layout_are_no_other_digest(entry):
     assert fingerprint.digest(entry(values=lambda _: ((9.0, -1.0), 1))) == fingerprint.digest(entry())
+
+
+def test_of_a_number_that_a_kernel_reads_as_it_runs_the_place_counts_alone(entry):
+    digests = []
+    for value, place in ((3.0, 0), (4.0, 0), (3.0, 1)):
+        given = entry()
+        given.names["law"].__globals__["deep"].LIMITS = RuntimeNumber(value, place), 2.0
+        digests.append(fingerprint.digest(given))
+    assert digests[0] == digests[1] != digests[2]
+    assert digests[0] != fingerprint.digest(entry())
 
 
 def test_another_default_of_a_keyword_is_another_digest(entry):

@@ -5,6 +5,7 @@ import os
 import shutil
 import subprocess
 import sys
+import threading
 from typing import NamedTuple
 
 import numpy as np
@@ -80,6 +81,28 @@ def test_a_kernel_is_there_for_the_next_process(form, cache):
     assert one.file.parent == cache
     assert [cache.stat().st_mode & 0o777, one.file.stat().st_mode & 0o777] == [0o700, 0o600]
     assert result(cached().ready()) == law(Point(0.7, -0.4))
+
+
+def test_two_who_want_a_kernel_at_once_make_it_once(monkeypatch):
+    both, made, optimised = threading.Event(), [], machine_code.optimised
+
+    def slow(code):
+        made.append(code)
+        if len(made) == 1:
+            other.start()
+            both.wait(0.5)  # passes unless the other waits, as it should
+        both.set()
+        return optimised(code)
+
+    def ask():
+        found.append(result(cached().kernel()))
+
+    found, other = [], threading.Thread(target=ask)
+    monkeypatch.setattr(machine_code, "optimised", slow)
+    ask()
+    other.join()
+    assert len(made) == 1
+    assert found == [law(Point(0.7, -0.4))] * 2
 
 
 def test_linked_and_unlinked_code_are_the_same_to_the_last_bit(monkeypatch):

@@ -10,7 +10,7 @@ import pytest
 pytest.importorskip("llvmlite")
 
 from forest_compile import flat_layout, machine_code
-from forest_compile.entry import Entry
+from forest_compile.entry import Entry, RuntimeNumber
 from forest_compile.frontend import translate
 from forest_compile.ir.values import NotTranslatedError
 
@@ -286,3 +286,33 @@ def growing(p):
 def test_a_loop_does_not_make_a_float_of_a_whole_number():
     with pytest.raises(NotTranslatedError, match="a double on one way, a whole number on another"):
         translated(growing, points(1)[0])
+
+
+GIVEN = (RuntimeNumber(2.0, 1), (RuntimeNumber(3.0, 0), 4.0))
+
+
+def by_what_is_given(x):
+    return GIVEN[0] * x + GIVEN[1][0] + GIVEN[1][1]
+
+
+def seldom_by_what_is_given(x):
+    return by_what_is_given(x) + GIVEN[0]
+
+
+@pytest.mark.parametrize("noinline", [(), (by_what_is_given,)])
+def test_numbers_of_the_time_when_a_kernel_runs_are_read_whenever_it_does(noinline):
+    """Inlined or not, and by one piece of code: a change of them needs no other."""
+    text = "def kernel(x, runtime):\n    x[0] = seldom_by_what_is_given(x[0])"
+    entry = Entry(text, {"seldom_by_what_is_given": seldom_by_what_is_given}, "pp", {}, noinline)
+    kernel = machine_code.load(machine_code.optimised(translate.llvm_ir(entry)), "pp")
+    for given in ([3.0, 2.0], [-1.0, 0.5]):
+        x, row = np.array([7.0]), np.array(given)
+        kernel(x.ctypes.data, row.ctypes.data)
+        assert x[0] == given[1] * 7.0 + given[0] + 4.0 + given[1]
+
+
+def test_numbers_of_the_time_when_a_kernel_runs_must_be_given_to_it():
+    text = "def kernel(x):\n    x[0] = by_what_is_given(x[0])"
+    entry = Entry(text, {"by_what_is_given": by_what_is_given}, "p", {})
+    with pytest.raises(NotTranslatedError, match=r"line \d+\): .*its entry is given none"):
+        translate.llvm_ir(entry)

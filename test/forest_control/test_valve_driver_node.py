@@ -23,6 +23,7 @@ COMMAND = (2.0, -3.0, 0.5)
 ZERO = (0.0, 0.0, 0.0)
 # A driver that follows the load fast, and forgets it only if we are held up for long: it would begin again.
 LOADED = ("-p", "load_bandwidth:=50.0", "-p", "command_timeout:=0.2", "-p", "pressure_timeout:=0.5")
+STALLED = 0.25  # [s] less than the driver bears
 MARGIN = 0.5  # [s] for a busy machine, beside the timeouts
 
 
@@ -68,8 +69,10 @@ class Rig:
         return self
 
     def say(self, now):
+        """After a stall of ours say zero first, as a controller does: the driver waits for that."""
+        stalled = bool(self.said) and now * 1e-9 - self.said[-1] > STALLED
         self.said.append(now * 1e-9)
-        return self.command(now)
+        return command(now, ZERO) if stalled else self.command(now)
 
     def at(self, values):
         return self.voltages and volts(self.voltages[-1]) == pytest.approx(values, rel=1e-6)
@@ -298,14 +301,14 @@ def test_a_second_commander_stops_the_valves_until_it_is_gone_and_the_stop_is_re
     other = start_process(
         ["-m", "forest_sim.commander_node", "--ros-args", "-p", f"input:={tmp_path}/volts.csv"]
     )
+    named = "emergency stop pressed; more than one node publishes valve_commands: commander, peer"
+    peer.until(lambda: any(s.message == named for m in said for s in m.status))
     peer.until(lambda: volts(r.voltages[-1]) == ZERO)
     moved = [volts(message)[0] < 0.0 for message in r.voltages if volts(message) != ZERO]
     assert not any(moved) or all(moved[moved.index(True) :])  # nothing of ours came after its first one
     refusal = answer(peer, reset)
     assert not refusal.success
     assert "more than one node publishes valve_commands" in refusal.message
-    named = "emergency stop pressed; more than one node publishes valve_commands: commander, peer"
-    peer.until(lambda: any(s.message == named for m in said for s in m.status))
     other.stop()
     peer.until(lambda: "commander" not in peer.node.get_node_names())
     r.command = lambda now: command(now, ZERO)

@@ -1,5 +1,6 @@
 """`scripts/station.sh`: which nodes start, and what a person is told."""
 
+import os
 import signal
 import socket
 import urllib.request
@@ -56,7 +57,8 @@ def test_one_command_starts_graph_and_page_and_ctrl_c_ends_both(start_process, w
         taken = start_process(["-m", "forest_station.station", "--join", "--no-browser", "--port", str(port)])
         assert taken.ended() == 1  # bound, though nobody listens
         assert "cannot be had" in taken.text()
-    station = start_process(["-m", "forest_station.station", "--no-browser", "--port", str(port)])
+    command = ["-m", "forest_station.station", "--no-browser", "--port", str(port)]
+    station = start_process(command, env=dict(os.environ))  # all anew, as a user does
     address = f"http://127.0.0.1:{port}/"
     wait_until(lambda: f"the page is at {address}" in station.text())
     with urllib.request.urlopen(address) as answer:

@@ -10,7 +10,8 @@ from pathlib import Path
 import pytest
 from playwright.sync_api import Browser, BrowserContext, Page, Playwright
 
-NAMES = ("chromium", "chromium-browser", "google-chrome")
+BROWSERS = ("chromium", "chromium-browser", "google-chrome")
+WINDOWLESS = "chromium-headless-shell"  # draws the same, and has no window to draw: half the work
 # Root needs --no-sandbox; without a graphics card SwiftShader draws; the rest keeps it off the network.
 OPTIONS = (
     "--no-sandbox",
@@ -30,9 +31,9 @@ NICE = -5  # of a browser that drives: after the nodes, which have -10
 SMALL = {"width": 640, "height": 480}  # few pixels, and no chart: where the picture does not matter
 
 
-def installed() -> str:
+def installed(*names: str) -> str:
     """Return the path of a Chromium; a computer without one skips the test, CI fails."""
-    for name in NAMES:
+    for name in names:
         if path := shutil.which(name):
             return path
     reason = "no Chromium is installed: scripts/setup.sh test as root, or apt install chromium"
@@ -44,7 +45,8 @@ def installed() -> str:
 @contextlib.contextmanager
 def launched(playwright: Playwright) -> Iterator[Browser]:
     """A headless browser; it ends with the block."""
-    browser = playwright.chromium.launch(executable_path=installed(), args=OPTIONS)
+    path = installed(WINDOWLESS, *BROWSERS)
+    browser = playwright.chromium.launch(executable_path=path, args=OPTIONS)
     try:
         yield browser
     finally:
@@ -75,7 +77,7 @@ def launch_process(
         return [int(path.parent.name) for path in found if str(profile).encode() in _bytes(path)]
 
     context = playwright.chromium.launch_persistent_context(
-        profile, executable_path=installed(), args=OPTIONS, viewport=SMALL
+        profile, executable_path=installed(*BROWSERS), args=OPTIONS, viewport=SMALL
     )
     try:
         for pid in processes()[:1]:

@@ -14,15 +14,16 @@ def nodes_of(supervisor):
         if not entry.name.isdigit():
             continue
         try:
-            parent = (entry / "stat").read_text().rsplit(")", 1)[1].split()[1]
+            kept, rest = (entry / "stat").read_text().rsplit(")", 1)
             command = (entry / "cmdline").read_bytes().split(b"\0")
         except OSError:
             continue
-        if int(parent) != supervisor.pid:
+        if int(rest.split()[1]) != supervisor.pid:
             continue
         # Whole arguments only: the fork server of `processes` names modules, too, in one long argument.
-        modules = {argument.rpartition(b".")[2] for argument in command}
-        children |= {name: int(entry.name) for name in ALL if f"{name}_node".encode() in modules}
+        modules = {argument.rpartition(b".")[2].decode() for argument in command}
+        modules.add(kept.partition("(")[2])  # of who was forked; the kernel keeps 15 letters
+        children |= {name: int(entry.name) for name in ALL if modules & {f"{name}_node", f"{name}_node"[:15]}}
     return children
 
 

@@ -4,11 +4,11 @@ import contextlib
 import os
 import signal
 import socket
-import subprocess
-import sys
 import time
 from collections.abc import Iterator
 from pathlib import Path
+
+from processes import ForkedNode
 
 STARTED_S, ENDED_S = 60.0, 20.0
 
@@ -21,16 +21,9 @@ def free_port() -> int:
 
 
 @contextlib.contextmanager
-def running(module: str, log: Path, domain: int, *options: str) -> Iterator[subprocess.Popen]:
+def running(module: str, log: Path, domain: int, *options: str) -> Iterator[ForkedNode]:
     """A supervisor with its nodes; it ends with the block."""
-    with log.open("w") as output:
-        process = subprocess.Popen(
-            [sys.executable, "-m", module, *options],
-            stdout=output,
-            stderr=output,
-            start_new_session=True,
-            env={**os.environ, "ROS_DOMAIN_ID": str(domain)},
-        )
+    process = ForkedNode(module, list(options), log, {**os.environ, "ROS_DOMAIN_ID": str(domain)})
     try:
         yield process
     finally:
@@ -42,7 +35,7 @@ def running(module: str, log: Path, domain: int, *options: str) -> Iterator[subp
                 os.killpg(process.pid, signal.SIGKILL)
 
 
-def wait_for_text(process: subprocess.Popen, log: Path, text: str) -> None:
+def wait_for_text(process: ForkedNode, log: Path, text: str) -> None:
     """Wait until a process has said something."""
     end = time.monotonic() + STARTED_S
     while text not in log.read_text():

@@ -7,6 +7,25 @@ tells whether a kernel that lies on disk is still the one.
 from collections.abc import Callable, Mapping
 from typing import Any, NamedTuple
 
+RUNTIME = "runtime"  # the argument of an entry that points to the values of its `RuntimeNumber`s
+
+
+class RuntimeNumber(float):
+    """A number outside of functions that a kernel reads whenever it runs, instead of having it in its code.
+
+    Args:
+        value: what it is to Python.
+        place: where a kernel finds it, in the row of doubles that its argument `RUNTIME` points to.
+    """
+
+    def __new__(cls, value: float, place: int) -> "RuntimeNumber":
+        """Return the number."""
+        number = super().__new__(cls, value)
+        number.place = place
+        return number
+
+    place: int
+
 
 class Entry(NamedTuple):
     """The function that the world calls."""

@@ -13,7 +13,7 @@ from importlib.machinery import SourceFileLoader
 from types import CodeType, FunctionType
 from typing import Any
 
-from forest_compile.entry import Entry
+from forest_compile.entry import RUNTIME, Entry, RuntimeNumber
 
 Names = frozenset[str]
 _PARTS = (
@@ -71,7 +71,9 @@ class _Fingerprint:
 
     def _value(self, value: Any, names: Names = frozenset(), within: tuple[Any, ...] = ()) -> None:
         """Add what a name means; `names` are those by which its attributes may be called."""
-        if isinstance(value, int | float):
+        if isinstance(value, RuntimeNumber):
+            self.words += [RUNTIME, value.place]
+        elif isinstance(value, int | float):
             self.words.append(_kind(value)(value))
         elif isinstance(value, tuple):
             self._items(value, self._value)

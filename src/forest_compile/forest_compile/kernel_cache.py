@@ -40,7 +40,10 @@ class CachedKernel:
             ModuleNotFoundError: llvmlite is not installed.
         """
         if self._loaded is None:
-            self._loaded = self._found("it is made anew") or self._made()
+            self._loaded = self._found("it is made anew")
+        if self._loaded is None:
+            with kernel_files.claimed() as waited:
+                self._loaded = (self._found("it is made anew") if waited else None) or self._made()
         return self._loaded
 
     def ready(self) -> machine_code.Kernel | None:

@@ -4,10 +4,13 @@ Whoever loads a file of machine code executes it. So the directory and the file 
 links, and writable to nobody else. A digest at a file's end covers its content and its name.
 """
 
+import contextlib
+import fcntl
 import hashlib
 import os
 import stat
 import tempfile
+from collections.abc import Iterator
 from pathlib import Path
 
 _DIGEST = hashlib.sha256().digest_size
@@ -55,8 +58,7 @@ def write(path: Path, code: bytes) -> None:
         UntrustedError: the directory is somebody else's.
         OSError: it cannot be written.
     """
-    path.parent.parent.mkdir(parents=True, exist_ok=True)
-    path.parent.mkdir(mode=0o700, exist_ok=True)
+    _make_directory(path.parent)
     if path.parent.stat().st_uid == os.geteuid() and not path.parent.is_symlink():
         path.parent.chmod(0o700)  # what others left there, `read` refuses by its owner
     _check(path.parent, path.parent.lstat(), stat.S_IFDIR)
@@ -68,6 +70,31 @@ def write(path: Path, code: bytes) -> None:
     except OSError:
         Path(name).unlink(missing_ok=True)
         raise
+
+
+@contextlib.contextmanager
+def claimed() -> Iterator[bool]:
+    """Keep others from making code meanwhile; give whether somebody made some before.
+
+    It takes a core for seconds, and who waited finds it made. Where nothing can be locked, nobody waits.
+    """
+    with contextlib.ExitStack() as held:
+        waited = False
+        with contextlib.suppress(OSError):
+            _make_directory(directory())
+            handle = os.open(directory(), os.O_RDONLY | os.O_CLOEXEC)
+            held.callback(os.close, handle)
+            try:
+                fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            except BlockingIOError:
+                fcntl.flock(handle, fcntl.LOCK_EX)
+                waited = True
+        yield waited
+
+
+def _make_directory(path: Path) -> None:
+    path.parent.mkdir(parents=True, exist_ok=True)
+    path.mkdir(mode=0o700, exist_ok=True)
 
 
 def _check(path: Path, facts: os.stat_result, kind: int) -> None:

@@ -6,6 +6,7 @@ cylinder's head side, extending), port 2 the negative one. Where every shipped n
 ``python -m forest_description.export.machine_numbers`` (docs/reference/machine.md).
 """
 
+import functools
 import math
 from dataclasses import dataclass
 from pathlib import Path
@@ -22,6 +23,7 @@ from forest_description.components.tank_line import TankLine
 from forest_description.components.valve_parameters import PortValves, Valve
 from forest_description.config import schema, source_tree
 from forest_description.config.parameter import MachineError, ParameterSet, choice, parameter
+from forest_description.config.units import UNITS
 from forest_description.geometry.kinematics import Links
 from forest_description.geometry.linkage import Linkage
 from forest_description.types import AXES
@@ -348,7 +350,14 @@ def load_machine(name_or_path: str | Path = "c180") -> Machine:
         MachineError: The file is not usable; the message has file, line, key, value and what is
             allowed.
     """
-    return schema.build(Machine, _read(name_or_path))
+    name = str(name_or_path)
+    return _shipped(name) if source_tree.is_shipped(name) else schema.build(Machine, _read(name_or_path))
+
+
+@functools.lru_cache(maxsize=32)
+def _shipped(name: str) -> Machine:
+    """Return a machine that comes with the package: its files do not change, and it cannot be changed."""
+    return schema.build(Machine, _read(name))
 
 
 def _read(name_or_path: str | Path) -> source_tree.Branch:
@@ -367,10 +376,20 @@ def _read(name_or_path: str | Path) -> source_tree.Branch:
 
 
 def sources(name_or_path: str | Path = "c180") -> list[schema.Quantity]:
-    """Return (dotted key, value, unit, source) of every number of a machine, in the file's own units.
+    """Return key, value, unit, source and uncertainty of every number, in the file's own units.
 
     Raises:
         MachineError: As ``load_machine``.
     """
     load_machine(name_or_path)  # so that an unusable file gets its message here, too
     return schema.quantities(Machine, _read(name_or_path))
+
+
+def uncertainties(name_or_path: str | Path = "c180") -> dict[str, float]:
+    """Return the half-widths [SI] of the 95 % intervals that a machine's file states, by dotted key.
+
+    Raises:
+        MachineError: As ``load_machine``.
+    """
+    stated = ((row.key, row.uncertainty, row.unit) for row in sources(name_or_path))
+    return {key: half * UNITS[unit].factor for key, half, unit in stated if half is not None}

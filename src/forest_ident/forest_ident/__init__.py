@@ -11,6 +11,8 @@ In the order in which data passes:
 - `estimators`: The thesis's estimators (chapter 4), one parameter or a few at a time.
 - `refinement`: All experiments together: from sessions to a machine, with intervals.
 - `validation`: A model against a record that it was not fitted to.
+- `model_choice`: Physics that the model lacks: named from residuals, fitted when allowed, judged by held-out
+  records.
 - `report`: The results as a page, plots and a machine file.
 - `online`: Running estimates while the machine works.
 - `online_node`: On-line identification as a node: running estimates of overlap, gain and damping beside the

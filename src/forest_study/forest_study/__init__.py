@@ -6,6 +6,7 @@ In the order in which data passes:
 - `measures`: How far a tip was from where it should be: four measures, of which none is told alone.
 - `tracking`: The tip along a path, and how far it is from where it should be.
 - `matrix`: What control reaches on plants that nobody knows exactly, the worst of many seeds.
+- `faults`: Faults in every state of the crane: what must happen, and what happens at worst.
 - `ablation`: What each constant and each mechanism of control is good for.
 - `thesis`: The thesis's evaluation of its control schemes (chapter 5), run anew.
 - `latency`: What late links cost.

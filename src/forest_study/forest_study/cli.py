@@ -17,7 +17,8 @@ from forest_msgs_py.runtime import command_line
 from forest_study.ablation import ablation_command, cycles_command
 from forest_study.closed_loop.link_model import LinkError
 from forest_study.demo import replay
-from forest_study.latency import delay_study, timing
+from forest_study.faults import faults_command
+from forest_study.latency import delay_study, placing, timing
 from forest_study.matrix import matrix_command
 from forest_study.results import StudyError, new_directory
 from forest_study.stability import bode_command
@@ -55,6 +56,13 @@ def _parser() -> argparse.ArgumentParser:
         commands, "matrix", _matrix, "plants hidden from the controller, drawn by seed: the worst of them"
     )
     matrix_command.add_arguments(hidden)
+    faulty = _command(
+        commands,
+        "faults",
+        _faults,
+        "faults in every state: time to zero voltage, the tip's way, what is told",
+    )
+    faults_command.add_arguments(faulty)
     changed = _command(
         commands, "ablation", _ablation, "control without each mechanism, or its constants halved and doubled"
     )
@@ -68,6 +76,11 @@ def _parser() -> argparse.ArgumentParser:
     cycles_command.add_arguments(cycling)
     late = _command(commands, "delay", _delay, "late links: tracking and stopping against 0 to 600 ms")
     delay_study.add_arguments(late)
+    placing.add_arguments(
+        _command(
+            commands, "placing", _placing, "reaching and placing behind a late link, by a simulated operator"
+        )
+    )
     replaying = _command(
         commands, "replay", _replay, "nodes fed from a bag in lockstep: do they answer as they did?"
     )
@@ -127,6 +140,10 @@ def _delay(options: argparse.Namespace) -> int:
         raise StudyError(f"delay: {error}") from error
 
 
+def _placing(options: argparse.Namespace) -> int:
+    return placing.run(options)
+
+
 def _bode(options: argparse.Namespace) -> int:
     return bode_command.run(options)
 
@@ -151,6 +168,11 @@ def _matrix(options: argparse.Namespace) -> int:
         return matrix_command.run(options)
     except PathError as error:
         raise StudyError(f"matrix: {error}") from error
+
+
+def _faults(options: argparse.Namespace) -> int:
+    new_directory(options.out)
+    return faults_command.run(options)
 
 
 def _track(options: argparse.Namespace) -> int:

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from forest_control.config import controller_settings
+from forest_control.limits.load_weighing import UNREAD as NO_PRESSURES
 from forest_control.operator.levers import Levers, levers_for_tip_velocity
 from forest_control.safety import machine_file
 from forest_control.safety.machine_file import PROVEN, STRANGE, FileCheck, is_wrong, objection, watched
@@ -21,6 +22,7 @@ from forest_description.types import AXES, ZERO
 from forest_msgs_py.types import PERIOD
 from forest_sim.equations.plant_parameters import plant_parameters
 from forest_sim.sensors.sensor_suite import sensor_suite
+from forest_sim.simulation.load import Load, loaded
 from forest_sim.solver.oil_temperature import parameters_at
 from forest_study.closed_loop.closed_loop import ClosedLoop, Operator
 from forest_study.closed_loop.model_mismatch import Ranges, applied, draw
@@ -94,6 +96,20 @@ def test_a_wrong_cylinder_geometry_is_named():
     assert np.abs(ways).max() < 0.005
 
 
+@pytest.mark.parametrize(
+    ("axis", "pin", "share"),
+    [("boom", "pivot_to_base", 1.1), ("stick", "pivot_to_base", 1.1), ("stick", "pivot_to_rod", 1.1)],
+)
+def test_a_pin_that_is_a_tenth_off_is_named_within_two_seconds(axis, pin, share):
+    drive = getattr(C180, axis)
+    model = dataclasses.replace(
+        C180, **{axis: dataclasses.replace(drive, **{pin: share * getattr(drive, pin)})}
+    )
+    (when, why), _ = driven(loop_of(C180, model), ALL)
+    assert when < 2.0
+    assert why.startswith(f"machine file: the length of the {axis}'s cylinder")
+
+
 @pytest.mark.parametrize("seed", range(6))
 def test_a_machine_that_is_only_somewhat_off_is_not_taken_for_another(seed):
     """Gains within 40 %, deadbands within 0.15 V, a head of half to twice the mass, spools; or cold oil."""
@@ -114,10 +130,13 @@ NOTHING_SINKS = Sinking()
 FITTING = cylinder_length(ANGLES[1], P.linkages[0]), cylinder_length(ANGLES[2], P.linkages[1])
 
 
-def after(check, seconds, rates=ZERO, command=ZERO, lengths=UNREAD, sinking=NOTHING_SINKS, opens=1.0):
+def after(
+    check, seconds, rates=ZERO, command=ZERO, lengths=UNREAD, sinking=NOTHING_SINKS, opens=1.0,
+    pressures=NO_PRESSURES,
+):  # fmt: skip
     voltages = tuple(opens * (volts + math.copysign(1.1, volts)) if volts else 0.0 for volts in command)
     for _ in range(round(seconds / PERIOD)):
-        check = watched(check, ANGLES, rates, lengths, command, voltages, sinking, P, PERIOD)
+        check = watched(check, ANGLES, rates, lengths, command, voltages, sinking, pressures, P, PERIOD)
     return check
 
 
@@ -130,6 +149,21 @@ def test_lengths_that_do_not_fit_are_borne_for_a_moment_and_once_they_have_fitte
     once = after(FileCheck(), PERIOD, lengths=FITTING)
     assert not is_wrong(after(once, 10.0, lengths=strange))
     assert not is_wrong(after(FileCheck(), 10.0))
+
+
+def off(angle):
+    """Lengths that belong to a boom's angle [rad] elsewhere than it is."""
+    return cylinder_length(ANGLES[1] + angle, P.linkages[0]), FITTING[1]
+
+
+def test_lengths_that_are_off_by_less_than_a_broken_transducer_s_are_found_in_any_pose():
+    fitted, long = after(FileCheck(), PERIOD, lengths=FITTING), STRANGE + 2.0 * PERIOD
+    assert not is_wrong(after(fitted, 10.0, lengths=off(0.028)))
+    assert after(fitted, long, lengths=off(0.032)).wrong == machine_file.BOOM
+    assert not is_wrong(after(fitted, STRANGE - 2.0 * PERIOD, lengths=off(0.032)))
+    assert after(FileCheck(), long, lengths=off(-0.032)).wrong == machine_file.BOOM
+    assert not is_wrong(after(fitted, 10.0, lengths=off(0.102)))  # it is broken
+    assert is_wrong(after(FileCheck(), long, lengths=(9.0, FITTING[1])))  # of no angle
 
 
 @pytest.mark.parametrize("joint", [0, 1, 2])
@@ -156,3 +190,24 @@ def test_a_joint_that_sinks_before_it_has_proven_right_is_the_file_s():
     assert not is_wrong(after(FileCheck(), PERIOD, sinking=sinking))  # others have the valves
     proven = FileCheck(ways=(PROVEN, PROVEN, PROVEN))
     assert not is_wrong(after(proven, PERIOD, command=up, sinking=sinking))
+
+
+@pytest.mark.parametrize(("side", "fed"), [(1.0, 0), (-1.0, 1)])
+def test_a_boom_that_a_load_presses_back_is_not_the_file_s(side, fed):
+    supply = P.speed_limits.supply_pressure
+    for share, wrong in ((0.89, True), (0.91, False)):
+        pressures = tuple(share * supply if port == fed else supply for port in (0, 1))
+        pressures = (
+            pressures if share < 0.9 else tuple(pressures[port] if port == fed else 0.0 for port in (0, 1))
+        )
+        back = {"rates": (0.0, -0.05 * side, 0.0), "command": (0.0, 3.0 * side, 0.0), "pressures": pressures}
+        assert is_wrong(after(FileCheck(), 0.4, **back)) == wrong
+
+
+@pytest.mark.parametrize("mass", [2500.0, 4000.0])
+def test_an_overload_before_the_boom_has_moved_is_named_as_one(mass):
+    plant = loaded(plant_parameters(C180), C180.manipulator, Load(mass))
+    (when, why), ways = driven(loop_of(C180, C180, plant), levers_for_tip_velocity((0.0, 0.0, 0.3), 0.5))
+    assert when < 2.0
+    assert why.startswith("overload: boom went back by")
+    assert ways[1] < 0.0

@@ -14,8 +14,11 @@ from forest_control.safety.motion_permission import (
     Cause,
     MachineState,
     Override,
+    Permission,
     PermissionParameters,
     Verdict,
+    armed_watch,
+    decide,
     unwatched,
 )
 from forest_description.machine import load_machine
@@ -36,7 +39,7 @@ class Rig:
         self.levers, self.held, self.angles, self.problem = REST, True, ANGLES, ""
         self.stamp = lambda k: k * PERIOD_NS
         self.shakes, self.driver_speaks, self.override = True, True, NOBODY
-        self.volts, self.command = (3.0, 0.0, 0.0), COMMAND
+        self.volts, self.command, self.rates = (3.0, 0.0, 0.0), COMMAND, ZERO
         self.speak = self.sample
         self.heard = -math.inf
 
@@ -55,7 +58,7 @@ class Rig:
             self.guard.hear(sample, "" if sample.good else "joy: nonsense")
         angles = tuple(angle + 1e-9 * self.shakes * (self.step % 2) for angle in self.angles)
         stamp, received = self.stamp(self.step), self.now - self.lag
-        machine = MachineState(angles, ZERO, stamp, received, not self.problem)
+        machine = MachineState(angles, self.rates, stamp, received, not self.problem)
         self.heard = self.now if self.driver_speaks else self.heard
         driver = DriverSample(self.volts, self.heard)
         return self.guard.decide(machine, driver, self.command, P, self.now, self.override, self.problem)
@@ -298,3 +301,73 @@ def test_a_reset_needs_centred_levers_and_the_deadman_released(rig):
     rig.once()
     assert rig.guard.against_reset() == ""
     assert rig.guard.joystick_values()["state"] == "alive"
+
+
+def lifts(rig, rate, seconds):
+    """Have the boom go at a rate [rad/s] under a valve that is wide open; return the last decision."""
+    rig.volts, rig.command, rig.rates = (0.0, 9.0, 0.0), (0.0, 3.0, 0.0), (0.0, rate, 0.0)
+    for _ in range(round(seconds / PERIOD)):
+        decision = rig.once()
+    return decision
+
+
+def test_a_load_that_drives_a_joint_back_stops_the_crane_until_the_deadman_was_let_go(rig):
+    assert lifts(rig, 0.2, 0.2).verdict == Verdict.MOVE  # it goes as commanded: the file is right
+    rig.rates = (0.0, -0.2, 0.0)
+    decision, after = rig.until(Verdict.STOP, 0.2)
+    assert 0.1 < after < 0.15
+    assert (decision.cause, decision.believed, decision.overloaded) == (Cause.OVERLOAD, True, True)
+    assert rig.guard.causes["machine"].startswith("overload: boom went back by")
+    rig.rates, rig.volts, rig.command, rig.levers = ZERO, ZERO, ZERO, REST
+    for _ in range(100):  # centred levers alone, as in taught work, are no act of a person
+        waiting = rig.once()
+        assert (waiting.verdict, waiting.cause, waiting.overloaded) == (Verdict.HOLD, Cause.OVERLOAD, True)
+        assert waiting.believed  # the tip is held where it is
+    rig.held = False
+    let_go = rig.once()
+    assert (let_go.verdict, let_go.cause, let_go.overloaded) == (Verdict.HOLD, Cause.OPERATOR, True)
+    rig.held = True
+    moves = rig.once()
+    assert (moves.verdict, moves.overloaded) == (Verdict.MOVE, False)
+    assert rig.guard.causes["machine"] == ""
+
+
+def test_a_joint_that_goes_by_itself_stops_the_crane_and_names_it_while_it_goes(rig):
+    rig.volts, rig.command, rig.rates = ZERO, ZERO, (0.0, 0.0, -0.3)
+    decision, after = rig.until(Verdict.STOP, 0.5)
+    assert after == pytest.approx(0.4, abs=2.0 * PERIOD)
+    assert (decision.cause, decision.believed) == (Cause.FAULT, False)
+    assert rig.guard.causes["machine"].startswith("machine: stick goes by itself")
+    rig.rates = ZERO
+    assert rig.once().verdict == Verdict.HOLD  # the levers were not centred since
+    assert rig.guard.causes["machine"] == ""
+
+
+def test_sensors_without_noise_are_not_judged_by_standing_still(rig):
+    stuck = rig
+    stuck.shakes = False
+    assert stuck.until(Verdict.STOP, 0.5)[0].cause == Cause.FAULT
+    exact = Rig()
+    exact.guard = MotionGuard(PermissionParameters(noise_free=True))
+    exact.moving()
+    exact.shakes = False
+    assert {exact.once().verdict for _ in range(200)} == {Verdict.MOVE}
+
+
+def test_a_loop_begins_with_the_deadman_held_and_the_levers_centred():
+    watch = armed_watch()
+    assert (watch.armed, watch.held, watch.levers) == (True, True, REST)
+    assert (watch.fresh_since, watch.moved) == (-PERIOD, -PERIOD)
+    assert (watch.heartbeat, watch.repeats) == (0, False)
+    state = MachineState(ANGLES, ZERO, PERIOD_NS, 0.0)
+    pushed = watch._replace(levers=PUSHED)
+    _, decision = decide(
+        Permission(joystick=pushed), state, DriverSample(), ZERO, P, PermissionParameters(), 0.0, NOBODY
+    )
+    assert decision.verdict == Verdict.MOVE
+
+
+def test_no_two_verdicts_or_causes_are_one():
+    """Members of an enumeration with equal numbers would be the same."""
+    assert [int(verdict) for verdict in Verdict] == [0, 1, 2, 3]
+    assert [int(cause) for cause in Cause] == list(range(10))

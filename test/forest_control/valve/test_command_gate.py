@@ -38,7 +38,13 @@ def test_a_good_command_makes_the_driver_step(gate):
     assert not gate.is_lost()
 
 
+def test_no_two_verdicts_are_one():
+    """Members of an enumeration with equal numbers would be the same."""
+    assert [int(verdict) for verdict in Verdict] == [0, 1, 2, 3]
+
+
 def test_before_the_first_command_it_is_lost(gate):
+    assert gate.problem == ""
     assert gate.is_lost()
     assert gate.against_reset() == ""
 
@@ -88,3 +94,61 @@ def test_the_emergency_stop_centres_and_is_not_reset_while_a_command_is_not_zero
     clock.now = 10.0
     assert gate.decide(command(ZERO, stamp=6 * MS), True) == Verdict.CENTRE
     assert gate.against_reset() == ""
+
+
+def later(values, stamp, sent, problem=""):
+    return Command(values, stamp * MS, sent, problem)
+
+
+def test_commands_that_come_back_after_they_were_gone_move_nothing_before_one_was_zero(gate, clock):
+    gate.decide(command(), False)
+    clock.now = 10.31
+    for k in range(3):
+        assert gate.decide(later(ASKED, 6 + k, 10.31), False) == Verdict.CENTRE
+        assert gate.problem.startswith("valve_commands: were gone, and came back not zero")
+        assert not gate.is_lost()
+        assert gate.against_reset() == "a command is not zero; release the deadman"
+    assert gate.decide(later(ZERO, 9, 10.31), False) == Verdict.STEP
+    assert gate.decide(later(ASKED, 10, 10.31), False) == Verdict.STEP
+    assert gate.problem == ""
+
+
+def test_what_comes_back_as_zero_was_let_go_and_a_gap_of_0_3_s_is_none(gate, clock):
+    gate.decide(command(), False)
+    clock.now = 10.29
+    assert gate.decide(later(ASKED, 6, 10.29), False) == Verdict.STEP
+    clock.now = 11.0
+    assert gate.decide(later(ZERO, 7, 11.0), False) == Verdict.STEP
+    assert gate.decide(later(ASKED, 8, 11.0), False) == Verdict.STEP
+
+
+def test_unreadable_commands_for_0_3_s_are_a_loss_a_single_one_is_none(gate, clock):
+    gate.decide(command(), False)
+    gate.decide(command((), problem="bad"), False)
+    assert gate.decide(command(stamp=6 * MS), False) == Verdict.STEP
+    clock.now = 10.31
+    gate.decide(later((), 7, 10.31, "bad"), False)
+    assert gate.decide(later(ASKED, 8, 10.31), False) == Verdict.CENTRE
+
+
+def test_a_controller_that_hangs_for_0_3_s_was_gone(gate, clock):
+    gate.decide(command(), False)
+    clock.now = 10.31
+    assert gate.decide(later(ASKED, 5, 10.31), False) == Verdict.REFUSE
+    assert gate.decide(later(ASKED, 6, 10.31), False) == Verdict.CENTRE
+
+
+def test_what_a_driver_itself_slept_through_was_not_gone(gate, clock):
+    """It finds in its queue what the controller has said meanwhile; of that, what cannot be read is a gap."""
+    gate.decide(command(), False)
+    clock.now = 10.7
+    assert gate.decide(later(ASKED, 6, 10.25), False) == Verdict.SKIP
+    assert gate.decide(later(ASKED, 7, 10.5), False) == Verdict.SKIP
+    assert gate.decide(later(ASKED, 8, 10.7), False) == Verdict.STEP
+    clock.now = 11.4
+    assert gate.decide(later((), 9, 10.95, "bad"), False) == Verdict.SKIP
+    assert gate.decide(later(ASKED, 10, 11.2), False) == Verdict.SKIP
+    assert gate.decide(later(ASKED, 11, 11.4), False) == Verdict.STEP
+    clock.now = 12.1
+    assert gate.decide(later((), 12, 11.65, "bad"), False) == Verdict.SKIP
+    assert gate.decide(later(ASKED, 13, 12.1), False) == Verdict.CENTRE

@@ -6,7 +6,7 @@ from importlib import resources
 import pytest
 
 from forest_description.config.parameter import MachineError
-from forest_description.machine import load_machine, sources
+from forest_description.machine import load_machine, sources, uncertainties
 
 BASE = "based_on: c180_hoses\n"
 PRESSURE, UNITS, RANGE = "pump.supply_pressure", "Pa, MPa, bar, psi", "100000 .. 5e+07 Pa"
@@ -69,7 +69,7 @@ def test_a_chain_of_files_is_followed_from_the_folder_of_each(write, tmp_path):
 
 def test_sources_of_a_file_name_its_own_numbers_and_those_of_its_base(write):
     rows = {row.key: row for row in sources(write(f"{BASE}manipulator:\n  {GOOD_TILT}\n"))}
-    assert rows["manipulator.platform_tilt"][1:] == (5.0, "deg", "measured")
+    assert rows["manipulator.platform_tilt"][1:4] == (5.0, "deg", "measured")
     assert rows["manipulator.gravity"].source == "Thesis Appendix B, g"
 
 
@@ -189,3 +189,16 @@ def test_a_file_that_is_nested_without_end_is_refused_with_its_name(write, text)
     assert re.fullmatch(
         r".*mine.yaml:1: not valid YAML: nested more than 50 levels deep", complaint(write(text))
     )
+
+
+@pytest.mark.parametrize("uncertainty", ["0", "-1", "wide", "[1, 2]"])
+def test_an_uncertainty_is_a_number_above_zero(write, uncertainty):
+    tilt = GOOD_TILT.replace("}", f", uncertainty: {uncertainty}}}")
+    said = complaint(write(f"{BASE}manipulator:\n  {tilt}\n"))
+    assert "manipulator.platform_tilt.uncertainty" in said
+
+
+def test_an_uncertainty_is_half_of_the_interval_in_the_unit_of_its_number(write):
+    tilt = GOOD_TILT.replace("}", ", uncertainty: 0.5}")
+    found = uncertainties(write(f"{BASE}manipulator:\n  {tilt}\n"))
+    assert found == {"manipulator.platform_tilt": pytest.approx(0.0087266463)}

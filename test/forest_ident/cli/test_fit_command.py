@@ -8,8 +8,8 @@ import pytest
 import yaml
 
 from forest_description.machine import load_machine
-from forest_ident.cli.fit_command import against
 from forest_ident.cli.fit_command import found as bags_at
+from forest_ident.cli.fit_tables import against
 from forest_ident.cli.verbs import main
 from forest_ident.driving.simulated_experiment import experiment
 from forest_ident.estimators.parameter_estimate import Estimate
@@ -207,3 +207,38 @@ def test_a_fit_of_a_simulated_machine_is_told_beside_the_truth():
     assert re.search(r"valve\.deadband_voltage +truth 1 +off by \+0\.0100000 V$", said[0])
     assert re.search(r"hose\.inertance +truth 3\.062e\+07 +off by \+1\.24102 %, interval misses$", said[1])
     assert said[2] == "  1 of 2 95 % intervals hold the truth"
+
+
+def test_a_second_run_needs_no_new_name_and_a_file_of_ones_own_stays(bags, tmp_path, capsys):
+    assert fit(bags, tmp_path, capsys, "calibration")[0] == 0
+    first = (tmp_path / "found.yaml").read_text()
+    assert fit(bags, tmp_path, capsys, "calibration")[0] == 0
+    assert (tmp_path / "found.yaml").read_text() == first
+    assert [path.name for path in tmp_path.iterdir()] == ["found.yaml"]
+
+
+def test_a_hole_in_a_bag_is_told_as_one(sessions, tmp_path, capsys):
+    whole = sessions["calibration"]
+    late = np.where(np.arange(len(whole.time)) < len(whole.time) // 2, whole.time, whole.time + 3.0)
+    session_bag.write(dataclasses.replace(whole, time=late), tmp_path / "holed")
+    code, _, said = fit(tmp_path, tmp_path, capsys, "holed")
+    assert code == 1
+    assert re.search(r"holed: a hole from 20\.00 to 23\.00 s, without a sample of", said), said
+
+
+def test_a_broken_experiment_yaml_is_one_sentence(bags, sessions, tmp_path, capsys):
+    session_bag.write(sessions["damping_boom"], tmp_path / "broken")
+    (tmp_path / "broken" / "experiment.yaml").write_text("experiment: [damping_boom\nfacts: {\n")
+    code, _, said = fit(tmp_path, tmp_path, capsys, "broken")
+    assert (code, len(said.strip().splitlines())) == (1, 1)
+    assert "experiment.yaml: not usable (" in said
+
+
+def test_a_laminar_hoses_record_under_the_other_name_is_refused(tmp_path, capsys):
+    laminar = experiment("hose_laminar", C180, seed=1, longest=12.0)
+    wrong = dataclasses.replace(laminar, name="hose", metadata={**laminar.metadata, "laminar": 0.0})
+    session_bag.write(wrong, tmp_path / "hose")
+    code, _, said = fit(tmp_path, tmp_path, capsys, "hose")
+    assert code == 1
+    assert "hose: the record holds a drop that goes with the flow, as the laminar hose's does" in said
+    assert not (tmp_path / "found.yaml").exists()

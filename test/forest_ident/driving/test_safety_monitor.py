@@ -5,6 +5,7 @@ import pytest
 
 from forest_description.export.machine_yaml import machine_text
 from forest_description.machine import load_machine
+from forest_description.types import ZERO
 from forest_ident.driving import safety_monitor
 from forest_ident.driving.safety_monitor import PEAK, Readings, State, bounds, out_of_bounds, step
 from forest_ident.experiments import experiment_plan
@@ -44,6 +45,25 @@ def test_what_stops_an_experiment(change, seconds, sentence):
     said = verdict(WELL._replace(**change), seconds)
     assert sentence in said
     assert bool(said) == bool(sentence)
+
+
+@pytest.mark.parametrize(
+    ("volts", "moves", "axis"),
+    [(3.0, 0.0, 1), (-3.0, 0.0, 1), (1.5, 0.0, None), (3.0, 1e-9, None)],
+    ids=["out", "in", "the valve hardly opens", "the joint moves"],
+)
+def test_an_angle_that_stays_the_same_under_an_open_valve_stops_an_experiment(volts, moves, axis):
+    """The stick is not driven: it may stand as long as it likes."""
+    state, said = State(), []
+    for k in range(200):
+        seen = WELL._replace(angles=(PLAN.angles[0], PLAN.angles[1] + moves * k, PLAN.angles[2]))
+        state, reason = step(state, seen, BOUNDS, 0.005, (0.0, volts, 5.0))
+        said.append(reason)
+    named = [k for k, reason in enumerate(said) if reason.startswith("the boom reads the same")]
+    assert bool(named) == (axis is not None)
+    if named:
+        assert 0.29 < 0.005 * named[0] < 0.33
+        assert step(state, seen._replace(angles=PLAN.angles), BOUNDS, 0.005, ZERO)[1] == ""
 
 
 def test_a_peak_that_passes_is_forgotten():

@@ -27,7 +27,9 @@ def drive(operator, readings, seconds, crane=None, since=0.0):
     volts = []
     for k in range(round(since / 0.005), round((since + seconds) / 0.005)):
         assert operator.accepts((k + 1) * PERIOD_NS, 100.0 + 0.005 * k, "")
-        voltages, reason = operator.step(readings, crane)
+        swing, boom, stick = readings.angles
+        shaking = readings._replace(angles=(swing + 1e-9 * (k % 2), boom + 1e-9 * (k % 2), stick))
+        voltages, reason = operator.step(shaking, crane)
         volts.append(voltages)
         if reason:
             return volts, reason
@@ -102,3 +104,14 @@ def test_live_the_swing_goes_about_where_it_stands():
     volts, reason = drive(operator, readings, 2.0)
     assert not reason
     assert any(v[0] != 0.0 for v in volts)
+
+
+def test_a_resolver_that_freezes_under_an_open_valve_ends_the_experiment():
+    operator, reason = begun(), ""
+    for k in range(900):
+        operator.accepts((k + 1) * PERIOD_NS, 100.0 + 0.005 * k, "")
+        volts, reason = operator.step(WELL)
+        if reason:
+            break
+    assert reason.startswith("the boom reads the same to the last bit though its valve is open")
+    assert volts == ZERO

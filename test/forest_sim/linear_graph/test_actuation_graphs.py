@@ -1,5 +1,7 @@
 """The thesis' circuits give the thesis' equations, misprints corrected, and the simulator's numbers."""
 
+import functools
+
 import numpy as np
 import pytest
 import sympy
@@ -23,9 +25,18 @@ from forest_sim.linear_graph.state_equations import state_equations
 from forest_sim.mechanics.manipulator import dynamics, fold_head
 
 THESIS = load_machine("c180_thesis")
-SWING, CYLINDER = state_equations(swing()), state_equations(cylinder())
 P_1, P_2, Q_1, Q_2 = (Symbol(name, real=True) for name in ("P_C_1", "P_C_2", "Q_I_1", "Q_I_2"))
 P_S, V, W = (Symbol(name, real=True) for name in ("P_s", "xdot", "qdot_sw"))
+
+
+@functools.cache  # when a test asks: a second, which whoever only collects the tests need not wait
+def swing_equations():
+    return state_equations(swing())
+
+
+@functools.cache
+def cylinder_equations():
+    return state_equations(cylinder())
 
 
 def par(names):
@@ -46,14 +57,14 @@ def line_rates(p_1, p_2):
 
 
 def test_states_are_those_that_the_thesis_chooses():
-    assert SWING.states == CYLINDER.states == (P_1, P_2, Q_1, Q_2)
-    assert SWING.inputs == (P_S, W)
-    assert CYLINDER.inputs == (P_S, V)
+    assert swing_equations().states == cylinder_equations().states == (P_1, P_2, Q_1, Q_2)
+    assert swing_equations().inputs == (P_S, W)
+    assert cylinder_equations().inputs == (P_S, V)
 
 
 def test_the_cylinders_state_equations_are_3_13_corrected():
     written = ((Q_1 - GY_1 * V) / C_1, (GY_2 * V - Q_2) / C_2, *line_rates(P_1, P_2))
-    for derived, line in zip(CYLINDER.derivatives, written, strict=True):
+    for derived, line in zip(cylinder_equations().derivatives, written, strict=True):
         assert sympy.simplify(derived - line) == 0
 
 
@@ -61,13 +72,13 @@ def test_the_cylinders_ports_and_force_are_3_14_and_3_17_corrected():
     """3.14 with a minus at the inlet, and flows that run with the piston; 3.17 less friction."""
     p_in = P_1 - R_1 * (GY_1 * V) ** 2 * sign(V)
     p_out = R_2 * (GY_2 * V) ** 2 * sign(V) + P_2
-    q_in, q_out = CYLINDER.through["1"], CYLINDER.through["R_2"]
+    q_in, q_out = cylinder_equations().through["1"], cylinder_equations().through["R_2"]
     square = {V * Abs(V): V**2 * sign(V)}
-    assert sympy.simplify(CYLINDER.across["1"].subs(square) - p_in) == 0
-    assert sympy.simplify(CYLINDER.across["4"].subs(square) - p_out) == 0
+    assert sympy.simplify(cylinder_equations().across["1"].subs(square) - p_in) == 0
+    assert sympy.simplify(cylinder_equations().across["4"].subs(square) - p_out) == 0
     assert (q_in, q_out) == (GY_1 * V, GY_2 * V)
     force = sympy.expand(GY_1 * p_in - GY_2 * p_out - B * V)
-    assert sympy.simplify(sympy.expand(CYLINDER.through["xdot"]).subs(square) - force) == 0
+    assert sympy.simplify(sympy.expand(cylinder_equations().through["xdot"]).subs(square) - force) == 0
 
 
 def swing_of_3_8():
@@ -85,18 +96,18 @@ def swing_of_3_8():
 
 
 def test_the_swings_state_equations_are_3_7_corrected():
-    for derived, line in zip(SWING.derivatives, swing_of_3_8()[2], strict=True):
+    for derived, line in zip(swing_equations().derivatives, swing_of_3_8()[2], strict=True):
         assert same(derived, line)
 
 
 def test_the_swings_drops_flow_and_torque_are_3_8_and_3_9():
     d_m, n, b_sw = par("D_m N B_sw")
     p_rm, p_r2, _ = swing_of_3_8()
-    assert same(SWING.across["R_in"], p_rm)
-    assert same(SWING.across["R_2"], p_r2)
-    assert same(SWING.across["1"], p_rm)
-    assert SWING.through["1"] == d_m * n * W
-    assert same(SWING.through["qdot_sw"], n * d_m * p_rm - b_sw * W)
+    assert same(swing_equations().across["R_in"], p_rm)
+    assert same(swing_equations().across["R_2"], p_r2)
+    assert same(swing_equations().across["1"], p_rm)
+    assert swing_equations().through["1"] == d_m * n * W
+    assert same(swing_equations().through["qdot_sw"], n * d_m * p_rm - b_sw * W)
 
 
 def random_state(rng, supply):
@@ -154,8 +165,8 @@ def test_a_port_turned_round_would_be_noticed(name):
 def test_the_coded_torques_are_those_of_the_graph():
     """M q'' + V + G of the coded accelerations against arm times the through variable of the load."""
     body = fold_head(THESIS.manipulator)
-    graphs = (SWING, CYLINDER, CYLINDER)
-    loads = [e.function(e.through["qdot_sw" if e is SWING else "xdot"]) for e in graphs]
+    graphs = (swing_equations(), cylinder_equations(), cylinder_equations())
+    loads = [e.function(e.through["qdot_sw" if e is swing_equations() else "xdot"]) for e in graphs]
     for x, c_r, p_s in samples():
         d = dynamics(tuple(x[0::6]), tuple(x[1::6]), body)
         mass = np.array([[d.m_11, 0.0, 0.0], [0.0, d.m_22, d.m_23], [0.0, d.m_23, d.m_33]])
@@ -189,8 +200,8 @@ def test_two_lumps_are_two_states_more_and_leave_the_other_hose_alone():
     q_11, q_12, p_11, p_12 = (Symbol(name, real=True) for name in ("Q_I_11", "Q_I_12", "P_C_11", "P_C_12"))
     c_11, i_12, r_11, r_12 = par("C_11 I_12 R_11 R_12")
     assert len(rates) == 6
-    assert rates["P_C_2"] == CYLINDER.derivatives[1]
-    assert rates["Q_I_2"] == CYLINDER.derivatives[3]
+    assert rates["P_C_2"] == cylinder_equations().derivatives[1]
+    assert rates["Q_I_2"] == cylinder_equations().derivatives[3]
     assert sympy.simplify(rates["P_C_11"] - (q_11 - q_12) / c_11) == 0
     assert sympy.simplify(rates["Q_I_12"] - (p_11 - r_11 * q_12 * Abs(q_12) - p_12) / i_12) == 0
     assert sympy.simplify(e.across["1"] - (p_12 - r_12 * GY_1**2 * V * Abs(V))) == 0
@@ -199,9 +210,12 @@ def test_two_lumps_are_two_states_more_and_leave_the_other_hose_alone():
 def test_a_relief_branch_adds_its_flow_to_one_equation():
     e = state_equations(cylinder_with_relief())
     (r_v,) = par("R_v1")
-    added = [sympy.simplify(new - old) for new, old in zip(e.derivatives, CYLINDER.derivatives, strict=True)]
+    added = [
+        sympy.simplify(new - old)
+        for new, old in zip(e.derivatives, cylinder_equations().derivatives, strict=True)
+    ]
     assert added == [-P_1 / (r_v * C_1), 0, 0, 0]
-    assert e.through["xdot"] == CYLINDER.through["xdot"]
+    assert e.through["xdot"] == cylinder_equations().through["xdot"]
 
 
 def test_one_orifice_parameter_for_both_ways_is_a_change_of_data():
@@ -210,7 +224,7 @@ def test_one_orifice_parameter_for_both_ways_is_a_change_of_data():
     e = state_equations(cylinder().changed("one orifice", remove=["C_R'"], add=[back]))
     assert C_R in e.derivatives[3].free_symbols
     assert C_R_RETURN not in set(e.parameters)
-    assert C_R_RETURN in CYLINDER.derivatives[3].free_symbols
+    assert C_R_RETURN in cylinder_equations().derivatives[3].free_symbols
 
 
 def test_a_swinging_link_instead_of_the_velocity_source_becomes_a_state():
@@ -219,7 +233,7 @@ def test_a_swinging_link_instead_of_the_velocity_source_becomes_a_state():
     e = state_equations(swing().changed("with a link", remove=["qdot_sw"], add=[link]))
     (j,) = par("J")
     rate = dict(zip((s.name for s in e.states), e.derivatives, strict=True))["W_J"]
-    driven = SWING.through["qdot_sw"].xreplace({W: Symbol("W_J", real=True)})
+    driven = swing_equations().through["qdot_sw"].xreplace({W: Symbol("W_J", real=True)})
     assert same(rate * j, driven)
     assert len(e.states) == 5
 
@@ -230,7 +244,7 @@ def test_a_lever_arm_is_an_input_that_speed_and_force_share():
     arm_, w, load = (Symbol(name, real=True) for name in ("arm", "W_J", "t_load"))
     assert e.inputs == (P_S, load, arm_)
     (j,) = par("J")
-    force = CYLINDER.through["xdot"].xreplace({V: arm_ * w})
+    force = cylinder_equations().through["xdot"].xreplace({V: arm_ * w})
     assert e.states[:2] == (P_1, w)
     assert sympy.simplify(e.derivatives[1] * j - (arm_ * force + load)) == 0
-    assert sympy.simplify(e.derivatives[0] - CYLINDER.derivatives[0].xreplace({V: arm_ * w})) == 0
+    assert sympy.simplify(e.derivatives[0] - cylinder_equations().derivatives[0].xreplace({V: arm_ * w})) == 0

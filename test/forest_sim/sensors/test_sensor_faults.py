@@ -27,6 +27,7 @@ from forest_sim.sensors.sensor_suite import CHANNELS, Fault
         ),
         ("boom_transducer: drop 20 %", "boom_transducer", (DROPPED, 0.0, 0.2, 0.0, math.inf)),
         ("boom_transducer: drop 12.5% from 3 s", "boom_transducer", (DROPPED, 0.0, 0.125, 3.0, math.inf)),
+        ("boom_resolver: noise 500 % from 1 s", "boom_resolver", (WORKS, 0.0, 1.0, 1.0, math.inf, 5.0)),
         ("boom_transducer: drop from 1 s until 2 s", "boom_transducer", (DROPPED, 0.0, 1.0, 1.0, 2.0)),
     ],
 )
@@ -57,6 +58,9 @@ def test_faults_are_separated_by_semicolons_and_lines_in_their_order():
         ("boom_resolver: frozen from 2", ["'frozen from 2' is no fault", ALLOWED]),
         ("boom_resolver: frozen 2 s", ["'frozen' takes no amount", ALLOWED]),
         ("boom_resolver: absent until 3 s from 1 s", ["is no fault", ALLOWED]),
+        ("boom_resolver: noise", ["noise needs a share; allowed: 0 .. 1e+06 %"]),
+        ("boom_resolver: noise 5 deg", ["noise needs a share; allowed: 0 .. 1e+06 %"]),
+        ("boom_resolver: noise 2e6 %", ["noise needs a share; allowed: 0 .. 1e+06 %"]),
         ("boom_resolver: bias", ["bias needs a number and a unit; allowed: rad, deg"]),
         ("boom_resolver: bias 0.5", ["'bias 0.5' is no fault", "bias NUMBER UNIT"]),
         ("boom_resolver: bias 0.5 MPa", ["allowed: rad, deg"]),

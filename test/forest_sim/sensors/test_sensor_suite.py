@@ -149,6 +149,14 @@ def test_a_fault_is_of_its_channel_alone():
     assert [name for name, c in zip(CHANNELS, now, strict=True) if c != EXACT] == ["swing_flow"]
 
 
+def test_a_noisy_channel_has_so_much_of_its_own_noise():
+    suite = sensor_suite(C180, noise=True, faults=parse_faults("boom_resolver: noise 500 % from 1 s"))
+    place = CHANNELS.index("boom_resolver")
+    before, after = (conditions(suite, time, NO_DRAWS.uniform)[place] for time in (0.9, 1.1))
+    assert after.noise == 5.0 * before.noise > 0.0
+    assert after._replace(noise=before.noise) == before
+
+
 def test_faults_of_one_channel_add_up_and_the_worst_way_of_not_working_wins():
     channel = mode("boom_resolver: bias 1 deg; boom_resolver: bias 0.5 deg; boom_resolver: frozen")
     assert channel.bias == pytest.approx(math.radians(1.5))

@@ -16,11 +16,25 @@ from forest_control.servo import coordinated_servo, schemes
 print(schemes.FULL_RATE, coordinated_servo.FULL_RATE, settings.control.lead)
 print(schemes.REST_RATE, coordinated_servo.REST_RATE)
 """
+AT_RUNTIME = """
+from forest_study.ablation.constants import at_runtime, changed
+from forest_control.safety import sinking_joint
+from forest_control.servo import coordinated_servo, schemes
+changed({"servo.schemes.FULL_RATE": 0.2})
+row = at_runtime()
+print(row[schemes.FULL_RATE.place], row[coordinated_servo.FULL_RATE.place], schemes.FULL_RATE)
+print(*(row[time.place] for time in sinking_joint.LONG), type(coordinated_servo.MOST_SAMPLES).__name__)
+"""
 
 
 def test_a_change_reaches_who_imported_the_constant_and_nobody_who_has_one_of_the_same_name():
     done = subprocess.run([sys.executable, "-c", AFTER_A_CHANGE], capture_output=True, text=True, check=True)
     assert done.stdout.split() == ["0.2", "0.2", "0.1", "1.0", "0.0001"]
+
+
+def test_a_kernel_reads_changed_constants_when_it_runs():
+    done = subprocess.run([sys.executable, "-c", AT_RUNTIME], capture_output=True, text=True, check=True)
+    assert done.stdout.split() == ["0.2", "0.2", "0.2", "0.5", "0.1", "0.1", "int"]
 
 
 def test_constants_of_a_room_and_settings_of_a_node_are_found():

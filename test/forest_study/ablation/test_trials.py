@@ -10,7 +10,7 @@ from forest_msgs_py.types import PERIOD
 from forest_study.ablation import ablation_command
 from forest_study.ablation.constants import changed
 from forest_study.ablation.pushes import END, QUIET, activity, misjudged, push, rest
-from forest_study.ablation.trials import Figures, Trial, pushed
+from forest_study.ablation.trials import Figures, pushed
 from forest_study.cli import main
 from forest_study.closed_loop.closed_loop import Trajectory
 
@@ -59,19 +59,21 @@ def test_only_the_named_axes_are_misjudged():
 
 def test_a_hold_zone_that_is_gone_lets_the_valves_cycle():
     """With it nothing does: `test_valve_driver_at_rest`."""
-    trial = Trial("c180_hoses", {"valve_driver.hold_zone": 0.0}, pushes=1, overlap=1.1, tilt=0.0)
-    assert pushed(load_machine("c180_hoses"), 0, trial, changed(trial.changes)).cycles
+    settings = changed({"valve_driver.hold_zone": 0.0})
+    assert pushed(load_machine("c180_hoses"), 0, 1.1, 0.0, settings).cycles
 
 
 def test_a_table_from_the_command_line(tmp_path, capsys, monkeypatch):
     """The trials' own process is the one above; here only what is made of its figures."""
-    usual = Figures(paths_mm=1.0, governed_mm=2.0, slow_mm_s=3.0, volts_s=4.0, cycles=0, rest_mm=5.0)
-    answers = {0.175: usual._replace(cycles=7), 0.7: None}
+    usual = Figures(
+        paths_mm=1.0, governed_mm=2.0, slow_mm_s=3.0, volts_s=4.0, cycles=[0, 0], rest_mm=[5.0, 5.0]
+    )
+    answers = {0.175: usual._replace(cycles=[0, 7]), 0.7: None}
     monkeypatch.setattr(
         ablation_command, "tried", lambda t: answers.get(next(iter(t.changes.values()), None), usual)
     )
     out = tmp_path / "ablation"
-    given = ["--constants", "servo", "--only", "inching.LOOK", "--out", str(out)]
+    given = ["--constants", "servo", "--only", "inching.LOOK", "--tilt", "0", "3", "--out", str(out)]
     assert main(["ablation", *given]) == 0
     table = (out / "ablation.md").read_text().splitlines()
     assert [line.split(" | ")[0] for line in table[2:]] == [
@@ -80,13 +82,12 @@ def test_a_table_from_the_command_line(tmp_path, capsys, monkeypatch):
         "| nothing",
     ]
     assert "control failed" in table[2]
-    assert (
-        json.loads((out / "ablation.json").read_text())["without"]["servo.inching.LOOK × 0.5"]["cycles"] == 7
-    )
+    told = json.loads((out / "ablation.json").read_text())["without"]
+    assert told["servo.inching.LOOK × 0.5"]["cycles"] == [0, 7]
     assert "failed" in capsys.readouterr().out
 
 
 def test_a_name_that_no_constant_has_is_told(tmp_path, capsys):
     given = ["--constants", "servo", "--only", "NOWHERE", "--out", str(tmp_path / "out")]
     assert main(["ablation", *given]) == 1
-    assert "no constant of servo has 'NOWHERE' in its name" in capsys.readouterr().err
+    assert "no constant or mechanism of these has 'NOWHERE' in its name" in capsys.readouterr().err

@@ -118,10 +118,24 @@ def test_the_crane_moved_where_it_was_wished(driven):
     assert 0.2 < tip[-1][0] - tip[0][0] < 0.8  # 0.3 m/s from 1 s on, less the scheme's lag
 
 
-def test_an_out_directory_that_exists_is_refused(tmp_path):
-    done = demo("--out", str(tmp_path))
+@pytest.fixture
+def forked(start_process):
+    """A demo that is over, forked where a new one tells nothing more."""
+
+    def run(*options):
+        one = start_process(["-m", "forest_study.demo.demo", *options])
+        one.ended()
+        return one
+
+    return run
+
+
+def test_an_out_directory_that_exists_is_refused(tmp_path, forked):
+    out = tmp_path / "out"
+    out.mkdir()
+    done = forked("--out", str(out))
     assert done.returncode == 1
-    assert done.stderr.strip() == f"demo: {tmp_path} exists already; choose another --out or remove it"
+    assert done.text().strip() == f"demo: {out} exists already; choose another --out or remove it"
 
 
 @pytest.mark.parametrize(
@@ -133,29 +147,28 @@ def test_an_out_directory_that_exists_is_refused(tmp_path):
         (["--namespace", "1crane"], "1crane"),
     ],
 )
-def test_bad_options_name_what_is_allowed(options, named, tmp_path):
-    done = demo("--out", str(tmp_path / "out"), *options)
+def test_bad_options_name_what_is_allowed(options, named, tmp_path, forked):
+    done = forked("--out", str(tmp_path / "out"), *options)
     assert done.returncode == 2
-    assert named in done.stderr
+    assert named in done.text()
     assert not (tmp_path / "out").exists()
 
 
-def test_a_bad_lever_file_is_refused_before_anything_starts(tmp_path):
+def test_a_bad_lever_file_is_refused_before_anything_starts(tmp_path, forked):
     levers = tmp_path / "levers.csv"
     levers.write_text("time_s,swing,boom,stick\n0,0,0,0\n1,0,7,0\n")
-    done = demo("--out", str(tmp_path / "out"), "--joystick", str(levers))
+    done = forked("--out", str(tmp_path / "out"), "--joystick", str(levers))
     assert done.returncode == 1
-    assert f"{levers}:3: boom is '7'; allowed: -1 .. 1" in done.stderr
+    assert f"{levers}:3: boom is '7'; allowed: -1 .. 1" in done.text()
     assert not (tmp_path / "out").exists()
 
 
-def test_levers_from_a_file_drive_the_joints(tmp_path, session_domain_id):
+def test_levers_from_a_file_drive_the_joints(tmp_path, domain_id, forked):
     levers = tmp_path / "levers.csv"
     levers.write_text("time_s,swing,boom,stick\n0,0,0,0\n0.2,0.5,0,0\n1.2,0,0,0\n1.5,0,0,0\n")
     out = tmp_path / "out"
-    options = ("--out", str(out), "--joystick", str(levers), "--scheme", "joint")
-    done = demo(*options, environment={"ROS_DOMAIN_ID": str(session_domain_id)})
-    assert done.returncode == 0, done.stderr
+    done = forked("--out", str(out), "--joystick", str(levers), "--scheme", "joint")
+    assert done.returncode == 0, done.text()
     summary = json.loads((out / "summary.json").read_text())
     assert summary["tip_error_mm"] is None
     assert summary["duration_s"] == 1.5

@@ -13,16 +13,28 @@ from forest_study import cli
 from forest_study.demo import replay
 
 
-def test_the_controller_alone_repeats_its_output_to_the_last_bit(lockstep_bag, own_domain, tmp_path, capsys):
-    assert cli.main(["replay", str(lockstep_bag), "--out", str(tmp_path / "out")]) == 0
-    assert "are the same" in capsys.readouterr().out
+def replayed(bag, start_process, tmp_path, *options):
+    """Replay a bag in a process of its own; return it."""
+    return start_process(
+        ["-m", "forest_study.cli", "replay", str(bag), *options, "--out", str(tmp_path / "out")]
+    )
 
 
-def test_a_changed_gain_shows_as_a_difference_with_its_place(lockstep_bag, own_domain, tmp_path, capsys):
+def test_the_controller_alone_repeats_its_output_to_the_last_bit(
+    lockstep_bag, domain_id, start_process, tmp_path
+):
+    done = replayed(lockstep_bag, start_process, tmp_path)
+    assert done.ended() == 0, done.text()
+    assert "are the same" in done.text()
+
+
+def test_a_changed_gain_shows_as_a_difference_with_its_place(
+    lockstep_bag, domain_id, start_process, tmp_path
+):
     changed = ("--set", "controller.position_gain=[2.6, 5.0, 5.0]")
-    options = ("--nodes", "controller", "valve_driver", *changed, "--out", str(tmp_path / "out"))
-    assert cli.main(["replay", str(lockstep_bag), *options]) == 1
-    lines = capsys.readouterr().out.splitlines()
+    done = replayed(lockstep_bag, start_process, tmp_path, "--nodes", "controller", "valve_driver", *changed)
+    assert done.ended() == 1
+    lines = done.text().splitlines()
     differing = [line for line in lines if line.startswith("/") and line.split()[-1] not in ("0", "differ")]
     assert {line.split()[0] for line in differing} == {"/valve_commands", "/valve_voltages"}
 

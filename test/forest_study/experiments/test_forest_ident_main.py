@@ -34,16 +34,17 @@ def same(one, other):
         assert np.abs(other.readings[channel] - column).max() <= scale, channel
 
 
-def test_a_graph_in_lockstep_records_what_the_laws_say_without_one(own_domain, tmp_path, capsys):
+def test_a_graph_in_lockstep_records_what_the_laws_say_without_one(domain_id, tmp_path, start_process):
     out = tmp_path / "bags"
     asked = ("experiment", "validation", "--exact", "--trial", str(SHORT), "--out", str(out))
-    assert main(asked) == 0
+    command = start_process(["-m", "forest_study.experiments.forest_ident_main", *asked])
+    assert command.ended() == 0, command.text()
     alone = experiment("validation", load_machine("c180_hoses"), exact=True, longest=SHORT)
     session = session_bag.read(out / "validation")
     assert (session.name, session.metadata) == ("validation", {"exact_sensors": 1.0})
     assert np.abs(session.voltages).max(axis=0).min() > 1.0
     same(alone, session)
-    assert "by hand: Crane without load" in capsys.readouterr().out
+    assert "by hand: Crane without load" in command.text()
 
 
 def test_without_a_graph_the_bag_gives_the_session_back(tmp_path):

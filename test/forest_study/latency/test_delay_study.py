@@ -15,11 +15,11 @@ C180 = load_machine("c180_hoses")
 
 
 def test_a_perfect_link_is_no_link_and_a_late_joystick_is_late_by_its_delay():
-    exact, late = (session("joystick", Quality(d), C180) for d in (0.0, 0.2))
-    shift = round(0.2 / delay_study.PERIOD)
+    exact, late = (session("joystick", Quality(d), C180) for d in (0.0, 0.1))
+    shift = round(0.1 / delay_study.PERIOD)
     moving = slice(shift + 100, round(RELEASE / delay_study.PERIOD))
     assert np.abs(late.tip[moving] - exact.tip[moving.start - shift : moving.stop - shift]).max() < 2e-3
-    assert score(late).stop_s == pytest.approx(score(exact).stop_s + 0.2, abs=0.02)
+    assert score(late).stop_s == pytest.approx(score(exact).stop_s + 0.1, abs=0.02)
 
 
 def test_a_link_that_loses_too_much_stops_the_crane_and_repeats():

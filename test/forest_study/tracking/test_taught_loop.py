@@ -13,8 +13,7 @@ from forest_control.operator.operator_profile import Mode
 from forest_control.servo.schemes import Scheme
 from forest_control.taught.cycle import Cycle, Grapple, Path, Pose
 from forest_control.taught.cycle_file import load_cycle, save_cycle
-from forest_control.taught.player import SETTLED, Phase
-from forest_control.valve.valve_hold import SOON
+from forest_control.taught.player import Phase
 from forest_description.machine import load_machine
 from forest_msgs_py.types import PERIOD
 from forest_study.closed_loop.closed_loop import Operator
@@ -96,8 +95,6 @@ def test_what_is_taught_is_played_along_the_path_in_its_time(taught):
 
 
 def test_a_path_that_turns_back_is_kept_though_the_swing_hardly_moves(tmp_path):
-    """A start that soon follows a stop the other way is no limit cycle, for which the swing would wait."""
-    assert SETTLED >= 1.5 * SOON  # some of it passes until the valves are shut
     points = ((5.5, 0.0, 1.0), (5.5, 0.67, 1.0), (5.83, 0.69, 1.0), (5.28, 0.687, 1.0))
     save_cycle(Cycle("bow", (Path("there and back", points, 0.4),)), tmp_path)
     loop = playing((tmp_path, Path("", points, 0.4), None))

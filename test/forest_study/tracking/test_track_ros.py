@@ -36,13 +36,15 @@ def alone(path, seed=SEED, static=False, adapt=True, model=MODEL, scheme=SCHEME,
 
 
 def test_the_nodes_give_the_figures_of_the_loop_without_ros_and_no_option_is_lost(
-    tmp_path, own_domain, capsys
+    tmp_path, domain_id, start_process
 ):
     way, out = tmp_path / "way.csv", tmp_path / "out"
     way.write_text(WAY)
     more = ("--noise", "--seed", str(SEED), "--adapt", "--laps", "2", "--through-ros")
-    assert cli.main(["track", "--path", str(way), *OPTIONS, *more, "--out", str(out)]) == 0
-    assert "the figures are the same" in capsys.readouterr().out
+    command = ["-m", "forest_study.cli", "track", "--path", str(way), *OPTIONS, *more, "--out", str(out)]
+    study = start_process(command)
+    assert study.ended() == 0, study.text()
+    assert "the figures are the same" in study.text()
     (run,) = json.loads((out / "track.json").read_text())["runs"]
     assert run["same"]
     assert len(run["laps"]) == 2

@@ -18,6 +18,7 @@ from typing import Any
 import yaml
 
 from forest_bag.storage.bag_files import BagError
+from forest_bag.storage.decompression import unzstd, unzstd_file
 from forest_bag.storage.mcap_reader import McapPieces
 from forest_bag.storage.mcap_recovery import is_recoverable
 from forest_bag.storage.raw_messages import BagFile, Channel, Damaged, Piece, RawMessage
@@ -28,6 +29,7 @@ READERS: dict[str, Callable[[Path, Path], BagFile]] = {".mcap": McapPieces, ".db
 """What reads a file, by its suffix; called with the file and its decompressed copy."""
 SUFFIXES = (*READERS, *(f"{suffix}.zstd" for suffix in READERS))
 FILE_KINDS = f"a directory of rosbag2's, {', '.join(READERS)}, or one of these with .zstd"
+LARGEST_METADATA = 1 << 26  # [byte] of metadata.yaml: a thousand topics take one
 _log_time = itemgetter(0)
 
 
@@ -211,6 +213,9 @@ class BagReader:
         file = self.path / "metadata.yaml"
         if not file.is_file():
             return {}
+        if file.stat().st_size > LARGEST_METADATA:
+            self._note(f"{file} has {file.stat().st_size} bytes; allowed: {LARGEST_METADATA}")
+            return {}
         try:
             content = parsed(file.read_text(encoding="utf-8"))
         except (yaml.YAMLError, UnicodeDecodeError) as error:
@@ -240,15 +245,12 @@ class BagReader:
     def _without_zstd(self, path: Path) -> Path:
         if path.suffix != ".zstd":
             return path
-        import zstandard  # comes with mcap
-
         if self._unpacked is None:
             self._unpacked = tempfile.TemporaryDirectory(prefix="forest-bag-")
         plain = Path(self._unpacked.name) / path.stem
         try:
-            with path.open("rb") as source, plain.open("wb") as target:
-                zstandard.ZstdDecompressor().copy_stream(source, target)
-        except zstandard.ZstdError as error:
+            unzstd_file(path, plain)
+        except ValueError as error:
             self._note(f"{path} is damaged: it cannot be decompressed ({error})")
         return plain
 
@@ -260,11 +262,9 @@ def _concerns(piece: Piece, file: BagFile, topics: Collection[str] | None) -> bo
 
 
 def _decompressed(message: RawMessage) -> RawMessage:
-    import zstandard  # comes with mcap
-
     try:
-        return message._replace(data=zstandard.ZstdDecompressor().decompress(message.data))
-    except zstandard.ZstdError as error:
+        return message._replace(data=unzstd(message.data))
+    except ValueError as error:
         raise Damaged(f"a message of {message.channel.topic} cannot be decompressed: {error}") from error
 
 

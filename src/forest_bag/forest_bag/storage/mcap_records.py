@@ -10,18 +10,17 @@ from collections.abc import Callable, Iterator
 from io import BytesIO
 from typing import Any
 
-import lz4.frame
-import zstandard
 from mcap.data_stream import ReadDataStream
 from mcap.exceptions import McapError
 from mcap.opcode import Opcode
 from mcap.records import Attachment, Channel, Chunk, McapRecord, Metadata, Schema, Statistics
 
+from forest_bag.storage.decompression import LARGEST, unlz4, unzstd
+
 MAGIC = b"\x89MCAP0\r\n"
 HEAD = struct.Struct("<BQ")  # opcode, length
 MESSAGE = struct.Struct("<HIQQ")  # channel, sequence, log and publish time [ns]; the data follow
 FOOTER = struct.Struct("<QQI")  # start of the summary, of its offsets, checksum
-LARGEST_CHUNK = 1 << 32  # uncompressed bytes; more is a damaged number
 # What these functions, mcap's and Python's own raise over bytes that make no sense.
 BROKEN = (McapError, struct.error, ValueError, KeyError, EOFError, RuntimeError, MemoryError)
 _READERS: dict[int, Callable[[ReadDataStream], McapRecord]] = {
@@ -107,11 +106,11 @@ def chunk_records(chunk: Chunk) -> bytes:
     Raises:
         ValueError: it is damaged, or compressed in a way that MCAP does not know.
     """
-    if chunk.uncompressed_size > LARGEST_CHUNK:
-        raise ValueError("the chunk's length is impossible")
+    if chunk.uncompressed_size > LARGEST:
+        raise ValueError(f"the chunk says that it has {chunk.uncompressed_size} bytes; allowed: {LARGEST}")
     try:
         content = _decompressed(chunk)
-    except (zstandard.ZstdError, RuntimeError, MemoryError, EOFError) as error:
+    except ValueError as error:
         raise ValueError(f"the chunk cannot be decompressed ({error})") from error
     if len(content) != chunk.uncompressed_size:
         raise ValueError("the chunk's length is wrong")
@@ -138,10 +137,9 @@ def attachment(content: bytes) -> Attachment:
 
 def _decompressed(chunk: Chunk) -> bytes:
     if chunk.compression == "zstd":
-        whole = zstandard.ZstdDecompressor().decompress(chunk.data, max_output_size=chunk.uncompressed_size)
-        return bytes(whole)
+        return unzstd(chunk.data, chunk.uncompressed_size)
     if chunk.compression == "lz4":
-        return bytes(lz4.frame.decompress(chunk.data))
+        return unlz4(chunk.data, chunk.uncompressed_size)
     if chunk.compression:
         raise ValueError(f"compression {chunk.compression!r} is unknown")
     return bytes(chunk.data)

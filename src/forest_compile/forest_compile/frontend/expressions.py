@@ -12,6 +12,7 @@ from functools import lru_cache, partial
 from types import FunctionType
 from typing import Any
 
+from forest_compile.entry import RuntimeNumber
 from forest_compile.frontend.arithmetic import TRUE, Arithmetic
 from forest_compile.frontend.integers import ZERO
 from forest_compile.ir.values import (
@@ -69,7 +70,14 @@ class Expressions(Arithmetic, ABC):
     def _name(self, node: ast.Name) -> Value:
         if node.id in self.frame.variables:
             return self.frame.variables[node.id]
-        return constant(self._outside(node))
+        return self._meant(self._outside(node))
+
+    def _meant(self, value: Any) -> Value:
+        """Return what a name means outside: numbers as they are, or as they will be when the kernel runs."""
+        if isinstance(value, tuple):
+            sort = type(value) if hasattr(value, "_fields") else None
+            return Record(sort, tuple(map(self._meant, value)))
+        return self.into.runtime(value.place) if isinstance(value, RuntimeNumber) else constant(value)
 
     def _outside(self, node: ast.expr) -> Any:
         """Return what a name means outside the function."""
@@ -95,7 +103,7 @@ class Expressions(Arithmetic, ABC):
         while isinstance(root, ast.Attribute):
             root = root.value
         if isinstance(root, ast.Name) and root.id not in self.frame.variables:
-            return constant(self._outside(node))
+            return self._meant(self._outside(node))
         value = self.value(node.value)
         if node.attr not in fields(value):
             raise NotTranslatedError(f"{ast.unparse(node)!r}: there is no such field")

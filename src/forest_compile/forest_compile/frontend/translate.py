@@ -23,7 +23,7 @@ from contextlib import contextmanager
 from types import CodeType, FunctionType
 
 from forest_compile import fingerprint
-from forest_compile.entry import Entry
+from forest_compile.entry import RUNTIME, Entry
 from forest_compile.flat_layout import leaves
 from forest_compile.frontend.arithmetic import EXTERNAL
 from forest_compile.frontend.frame import Frame, syntax_tree
@@ -95,6 +95,8 @@ class _Kernel(Statements):
                 frame.variables[argument] = Scalar(_KINDS[letter], register)
         frame.variables |= self._tuples(node)
         with self._within(frame):
+            if RUNTIME in frame.variables:
+                self.into.give_runtime(f"%{RUNTIME}")
             self.run(node.body)
         self.into.end("ret ptr null")
         self._module.define(f"ptr @{ENTRY}({', '.join(parameters)}) nounwind", self.into.text())

@@ -158,6 +158,21 @@ class Function:
         text = f"store double {double.text}, ptr {self.element(array, index)}, align 8"
         self._bodies[self.block].append(text)
 
+    def give_runtime(self, array: str) -> None:
+        """Tell all functions where the numbers lie that are given when the kernel runs."""
+        self._module.runtime = "@runtime"
+        self._bodies[self.block].append(f"store ptr {array}, ptr {self._module.runtime}, align 8")
+
+    def runtime(self, place: int) -> Scalar:
+        """Return a number that is given when the kernel runs, by its place among such.
+
+        Raises:
+            NotTranslatedError: none are given.
+        """
+        if not self._module.runtime:
+            raise NotTranslatedError("a number of the time when a kernel runs, but its entry is given none")
+        return self.load(self.emit(POINTER, f"load ptr, ptr {self._module.runtime}, align 8").text, place)
+
     def loaded(self, of: Shape, array: str, offset: int, constant: bool = True) -> Value:
         """Return a value that lies in an array.
 

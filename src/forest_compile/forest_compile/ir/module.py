@@ -19,6 +19,8 @@ class Module:
         self._externals = externals
         self._faults: dict[str, str] = {}
         self._lines: list[str] = []
+        self.runtime = ""
+        """Name of what points to the numbers that are given when the kernel runs; "": none are."""
 
     def fault(self, text: str) -> str:
         """Return the name of a fault's text."""
@@ -42,6 +44,8 @@ class Module:
             code = text.encode()
             plain = "".join(chr(b) if 31 < b < 127 and b not in b'"\\' else f"\\{b:02x}" for b in code)
             yield f'{name} = private unnamed_addr constant [{len(code) + 1} x i8] c"{plain}\\00"'
+        if self.runtime:
+            yield f"{self.runtime} = internal global ptr null, align 8"
         yield from self._lines
         yield "attributes #0 = { nounwind willreturn speculatable memory(none) }"
         yield "attributes #1 = { nounwind noinline }"

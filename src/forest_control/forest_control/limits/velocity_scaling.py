@@ -45,6 +45,7 @@ class Limit(IntEnum):
     RELEASED = 6  # the deadman is released, or the joystick is lost
     LOAD = 7  # of the crane: what the motion would load further
     OVERLOAD = 8  # a load has driven a joint back: the crane stands until the levers are armed anew
+    LATE = 9  # the joystick's link is late: the levers are slower
 
 
 class Pumps(NamedTuple):

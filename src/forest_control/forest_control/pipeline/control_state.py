@@ -47,6 +47,7 @@ class Inputs(NamedTuple):
     rates: Vec3  # v [rad/s], measured
     levers: Levers
     enabled: bool  # the levers may move the crane (`motion_permission`)
+    share: float = 1.0  # of their speed that the levers have, behind a late link
     cylinders: Lengths = NO_LENGTHS  # [m] boom, stick, of the same moment; NaN: no sample
     reach: Reach = FULL  # of the valves, as the driver has learnt it
     voltages: Vec3 = ZERO  # [V] of the valves, given last by the driver

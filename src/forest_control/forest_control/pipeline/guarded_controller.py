@@ -45,6 +45,7 @@ def control_inputs(
         rates=machine.rates,
         levers=decision.levers,
         enabled=decision.verdict == Verdict.MOVE,
+        share=decision.share,
         cylinders=cylinders,
         reach=reach,
         voltages=voltages,

@@ -74,9 +74,9 @@ def tip_velocity_command(
         asked = taught_velocity(inputs.taught, tip_position(_here(state, inputs, p), p.links), most)
     elif p.profile.mode == Mode.POSITION:
         here = _here(state, inputs, p)
-        asked = position_mode_velocity(levers, state.clutch, here, p.profile, p.links)
+        asked = scaled(position_mode_velocity(levers, state.clutch, here, p.profile, p.links), inputs.share)
     else:
-        asked = rate_mode_velocity(levers, pose, p.profile)
+        asked = scaled(rate_mode_velocity(levers, pose, p.profile), inputs.share)
         if p.scheme != Scheme.COORDINATED:
             return state._replace(sway=anti_sway.NO_SWAY), asked
         sway, asked = _without_sway(state, asked, p, dt)
@@ -101,10 +101,10 @@ def _here(state: State, inputs: Inputs, p: Parameters) -> Vec3:
 
 def joint_rate_command(state: State, inputs: Inputs, p: Parameters, dt: float) -> Vec3:
     """Return the joint rates [rad/s] that the levers ask for in the joint scheme; a ramp in position mode."""
-    levers = shaped(inputs.levers, p.profile)
+    levers, most = shaped(inputs.levers, p.profile), scaled(p.velocity_limits.rates, inputs.share)
     if p.profile.mode == Mode.RATE:
-        return rate_mode_rates(levers, p.velocity_limits.rates)
-    asked = position_mode_rates(levers, state.clutch, inputs.angles, p.profile, p.velocity_limits.rates)
+        return rate_mode_rates(levers, most)
+    asked = position_mode_rates(levers, state.clutch, inputs.angles, p.profile, most)
     before = state.memory.swing.a, state.memory.boom.a, state.memory.stick.a
     return ramped(before, asked, JOINT_ACCELERATION, dt)
 

@@ -55,6 +55,8 @@ def _moving(
         return reference._replace(scaling=VelocityScaling(left * factor, Limit.LOAD))
     if walled != command.velocity and limit == Limit.NONE:
         return reference._replace(scaling=VelocityScaling(factor, Limit.WALL))
+    if inputs.share < factor and inputs.taught.speed == 0.0:
+        return reference._replace(scaling=VelocityScaling(inputs.share * factor, Limit.LATE))
     return reference
 
 

@@ -6,6 +6,7 @@
 - `frozen_sensor`: Whether a sensor stands still while its joint is told to move.
 - `machine_file`: Whether the machine is the one that its file tells of.
 - `sinking_joint`: Whether a load drives a joint back although its valve is open.
+- `runaway`: Whether a joint goes by itself although its valve is shut.
 - `driver_response`: Whether the valve driver is there, and obeys.
 
 The joystick is watched in `operator.joystick_watch`. May import: `config`, `operator`,

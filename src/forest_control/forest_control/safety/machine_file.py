@@ -1,13 +1,18 @@
 """Whether the machine is the one that the controller's machine file tells of: what it does first shows that.
 
-Two things are asked of it, each once:
+Two things are asked of it:
 
 - The lengths of boom's and stick's cylinder, where they are measured, belong to the measured angles.
-- Each joint goes where its valve is commanded.
+- Each joint goes where its valve is commanded, once.
 
-What has answered right is not asked again: later a broken sensor or a load is to blame. What answers wrong
-stops the crane for good: with another geometry, or a valve that is piped or wired the other way, no motion is
-what its command says. Then the file is to be set right, and the controller started anew.
+What has answered right is not asked again: later a broken sensor or a load is to blame. But lengths that are
+off by less than a broken transducer's are asked for ever, for a pin that is elsewhere shows in other poses.
+What answers wrong stops the crane for good: with another geometry, or a valve that is piped or wired the
+other way, no motion is what its command says. Then the file is to be set right, and the controller started
+anew.
+
+A boom that goes back before it has proven right may also carry too much: then its pressure is the pump's or
+more, while oil that is led to the other side leaves it to its weight (`sinking_joint` names it).
 
 | symbol | name | unit |
 |---|---|---|
@@ -22,6 +27,7 @@ import math
 from typing import NamedTuple
 
 from forest_control.config.controller_settings import Parameters
+from forest_control.limits.load_weighing import Pressures
 from forest_control.safety import sinking_joint
 from forest_control.safety.sinking_joint import Sinking
 from forest_control.servo.joint_angle_filter import FARTHEST, Lengths
@@ -31,6 +37,8 @@ from forest_description.types import AXES, ZERO, Vec3
 
 PROVEN = 0.015  # [rad] way after which a joint goes where it is commanded, 0.1 m of the tip at 6 m; chosen
 COMMANDED = 0.002  # [rad/s] of u, from which a way counts: less may be leakage that is fed
+MISFIT = 0.03  # [rad] between length and angle: thrice what sensors' static errors give; chosen
+BORNE = 0.9  # [1] of the pump's pressure in the side that is fed, from which a load presses the boom back
 STRANGE = 0.3  # [s] for which lengths may not fit: samples of different moments, while nothing moves yet
 FITS, BOOM, STICK, POLARITY = 0, 1, 2, 3  # [1] of `wrong`: what is; 3, 4, 5: of swing, boom, stick
 
@@ -52,6 +60,7 @@ def watched(
     command: Vec3,
     voltages: Vec3,
     sinking: Sinking,
+    pressures: Pressures,
     p: Parameters,
     dt: float,
 ) -> FileCheck:
@@ -65,6 +74,7 @@ def watched(
         command: of ideal valves [V] since the last sample.
         voltages: of the valves, as the driver says [V]: what no open valve has moved proves nothing.
         sinking: joints that have gone against their valves.
+        pressures: in the boom's cylinder, head and rod side [Pa]; NaN: not measured.
         p: the controller's parameters.
         dt: since the last sample [s].
     """
@@ -81,15 +91,18 @@ def watched(
         _way(before.ways[1], u[1] if _opens(voltages[1], 1, p) else 0.0, rates[1], dt),
         _way(before.ways[2], u[2] if _opens(voltages[2], 2, p) else 0.0, rates[2], dt),
     )
-    boom, stick = _fit(lengths[0], angles[1], 0, p), _fit(lengths[1], angles[2], 1, p)
-    fitted = before.fitted or (boom == 1.0 and stick == 1.0)
-    strange = before.strange + dt if min(boom, stick) < 0.0 and not fitted else 0.0
+    boom, stick = _misfit(lengths[0], angles[1], 0, p), _misfit(lengths[1], angles[2], 1, p)
+    fitted = before.fitted or (boom <= MISFIT and stick <= MISFIT)
+    most = FARTHEST if fitted else math.inf
+    strange = before.strange + dt if MISFIT < boom <= most or MISFIT < stick <= most else 0.0
     wrong = FITS
     if strange > STRANGE:
-        wrong = BOOM if boom < 0.0 else STICK
+        wrong = BOOM if MISFIT < boom <= most else STICK
+    fed = pressures[0] if command[1] > 0.0 else pressures[1]
     for i in range(3):
         sinks = command[i] != 0.0 and sinking_joint.sinks(sinking, i)
-        if ways[i] < -PROVEN or (ways[i] < PROVEN and sinks):
+        loaded = i == 1 and fed > BORNE * p.speed_limits.supply_pressure
+        if (ways[i] < -PROVEN or (ways[i] < PROVEN and sinks)) and not loaded:
             wrong = POLARITY + i
     return FileCheck(ways, strange, fitted, wrong)
 
@@ -107,11 +120,12 @@ def _way(before: float, u: float, v: float, dt: float) -> float:
     return min(PROVEN, before + math.copysign(v, u * v) * dt)
 
 
-def _fit(length: float, angle: float, i: int, p: Parameters) -> float:
-    """Return 1 for a cylinder's length [m] that belongs to an angle [rad], -1 for another one, 0 for none."""
+def _misfit(length: float, angle: float, i: int, p: Parameters) -> float:
+    """Return by how much an angle [rad] is not that of a cylinder's length [m]; NaN: it is not measured."""
     if math.isnan(length):
-        return 0.0
-    return 1.0 if abs(angle_at(length, p.linkages[i]) - angle) <= FARTHEST else -1.0
+        return length
+    error = abs(angle_at(length, p.linkages[i]) - angle)
+    return math.inf if math.isnan(error) else error
 
 
 def is_wrong(check: FileCheck) -> bool:

@@ -7,12 +7,14 @@ import math
 from typing import Any
 
 from forest_control.config.controller_settings import Parameters
+from forest_control.operator import late_link
 from forest_control.operator.joystick_watch import Joystick, Sample, is_released, problem_text
 from forest_control.safety import (
     driver_response,
     frozen_sensor,
     machine_file,
     motion_permission,
+    runaway,
     sinking_joint,
 )
 from forest_control.safety.driver_response import DriverSample
@@ -94,7 +96,7 @@ class MotionGuard:
         elif decision.dt > 0.0:
             checks = self.permission.checks
             trouble = machine_file.objection(checks.file) or driver_response.objection(checks.driver, now)
-            trouble = trouble or frozen_sensor.frozen(checks.still)
+            trouble = trouble or frozen_sensor.frozen(checks.still) or runaway.objection(checks.runaway)
             self.causes["machine"] = trouble or sinking_joint.objection(checks.sunk)
             self._note_operator(override)
         return decision
@@ -129,6 +131,7 @@ class MotionGuard:
             "frozen_timeout [s]": p.frozen_timeout,
             "centre [1]": p.centre,
             "out of order since start": watch.out_of_order,
+            "round trip by its stamps [s]": late_link.round_trip(self.permission.link),
         }
 
     def _refuse(self, problem: str, now: float) -> None:

@@ -14,6 +14,7 @@ in the subset of Python that `forest_compile` translates; `motion_guard` tells t
 | the valve driver is silent, or keeps the valves shut | `driver_response` | STOP |
 | another machine than the file tells of: for good | `machine_file` | STOP |
 | a load that drives a joint back | `sinking_joint` | STOP |
+| a joint that goes by itself under a shut valve | `runaway` | STOP |
 | emergency stop; `hands_off` | `Override` | STOP |
 | the deadman is not held, the levers were not centred since | `joystick_watch` | HOLD |
 | the joystick is silent, lost, frozen, or cannot be read | `joystick_watch` | HOLD |
@@ -32,11 +33,13 @@ from forest_control.limits.load_weighing import UNREAD, Pressures
 from forest_control.operator import joystick_watch
 from forest_control.operator.joystick_interpolation import CENTRED, InterpolatedLevers, interpolated
 from forest_control.operator.joystick_watch import Sample, Watch, WatchParameters, assessed_watch
+from forest_control.operator.late_link import IN_TIME, LateLink, speed_share, updated_link
 from forest_control.operator.levers import REST, Levers
-from forest_control.safety import driver_response, frozen_sensor, machine_file, sinking_joint
+from forest_control.safety import driver_response, frozen_sensor, machine_file, runaway, sinking_joint
 from forest_control.safety.driver_response import DriverResponse, DriverSample
 from forest_control.safety.frozen_sensor import Stillness
 from forest_control.safety.machine_file import FileCheck
+from forest_control.safety.runaway import Runaway
 from forest_control.safety.sinking_joint import Sinking
 from forest_control.safety.state_checks import plausible
 from forest_control.servo.joint_angle_filter import UNREAD as NO_LENGTHS
@@ -79,6 +82,7 @@ class Decision(NamedTuple):
     cause: Cause
     believed: bool = False  # the controller may go by the state; if stopped, from rest
     levers: Levers = REST
+    share: float = 1.0  # of their speed that the levers have, behind a late link
     dt: float = 0.0  # [s] since the state before; 0: the state counts for nothing
     overloaded: bool = False  # a load has driven a joint back; until the levers are armed anew
 
@@ -123,6 +127,7 @@ class Checks(NamedTuple):
     file: FileCheck = FileCheck()
     sunk: Sinking = Sinking()  # as it stopped the crane; kept until the levers move it anew
     let_go: bool = True  # the deadman was released since
+    runaway: Runaway = Runaway()
 
 
 class Permission(NamedTuple):
@@ -130,6 +135,7 @@ class Permission(NamedTuple):
 
     joystick: Watch = joystick_watch.REST
     hold: InterpolatedLevers = CENTRED
+    link: LateLink = IN_TIME
     checks: Checks = Checks()
     order: StampOrder = stamp_order.FIRST
     period: StampedPeriod = stamped_period.BEGIN  # of the states that are believed
@@ -191,7 +197,8 @@ def decide(
     if dt == 0.0:
         return after, Decision(Verdict.SKIP, Cause.TOO_SOON)
     checks = checked(before.checks, state, driver, command, p, guard, now, dt)
-    return judged(after._replace(checks=checks), now, dt, guard, override)
+    link = updated_link(before.link, before.joystick.stamp, state.stamp, dt)
+    return judged(after._replace(checks=checks, link=link), now, dt, guard, override)
 
 
 def judged(
@@ -231,7 +238,8 @@ def permitted(
         return after, Decision(Verdict.HOLD, Cause.OPERATOR, believed=True, dt=dt)
     hold = interpolated(before.hold, operator.levers, joystick.fresh_since, before.received, dt)
     after = before._replace(joystick=joystick, hold=hold)
-    return after, Decision(Verdict.MOVE, Cause.NONE, believed=True, levers=hold.levers, dt=dt)
+    share = speed_share(before.link)
+    return after, Decision(Verdict.MOVE, Cause.NONE, True, levers=hold.levers, share=share, dt=dt)
 
 
 def checked(
@@ -260,20 +268,31 @@ def checked(
     if not guard.noise_free:
         still = frozen_sensor.watched(before.still, state.angles, command, p, dt)
     sinking = sinking_joint.watched(before.sinking, state.rates, driver.voltages, p, dt)
-    s, v = state.angles, state.rates
     return Checks(
         still=still,
         driver=driver_response.response(before.driver, driver, command, now),
         sinking=sinking,
-        file=machine_file.watched(before.file, s, v, state.lengths, command, driver.voltages, sinking, p, dt),
+        file=machine_file.watched(
+            before.file,
+            state.angles,
+            state.rates,
+            state.lengths,
+            command,
+            driver.voltages,
+            sinking,
+            state.boom_pressures,
+            p,
+            dt,
+        ),
         sunk=before.sunk,
         let_go=before.let_go,
+        runaway=runaway.watched(before.runaway, state.rates, driver.voltages, p, dt),
     )
 
 
 def passes(checks: Checks, now: float) -> bool:
     """Tell whether sensors, driver and machine are what the controller goes by."""
-    if machine_file.is_wrong(checks.file):
+    if machine_file.is_wrong(checks.file) or runaway.runs_away(checks.runaway):
         return False
     return driver_response.responds(checks.driver, now) and not frozen_sensor.is_frozen(checks.still)
 

@@ -31,7 +31,6 @@ from forest_description.types import ZERO, Vec3
 
 REST_RATE = 1e-4  # [rad/s] a reference slower than this rests: 0.6 mm/s of the tip; chosen
 HELD = 1e-9  # [rad/s] command to a joint that holds: no motion, but the driver may feed its leakage
-MOST_GATHERED = 2e-3  # [rad/s] of the integral at rest, while the valve is shut; chosen, not measured
 HIGHEST_ACCELERATION = 2.0  # [rad/s^2] of b: a jump of the velocity scaling must not kick the valves; chosen
 MOST_SAMPLES = 50  # [1] in the mean pose that the reference starts from: 0.25 s at rest
 
@@ -62,7 +61,6 @@ class Joint(NamedTuple):
     w: float = 0.0  # [rad/s]
     error: float = 0.0  # r - s, low-passed [rad]
     holding: bool = True
-    gathered: float = 0.0  # part of w that was gathered at rest [rad/s]
     inching: Inching = MOVING
 
 
@@ -214,23 +212,11 @@ def _joint_servo(
     error, still = x.r - x.s, all_rest or (shut and _rests(memory, x.a))
     filtered, holds = held(memory, error, still, p, dt)
     if all_rest and is_due(memory.inching, shut):
-        kept = 0.0 if shut else memory.gathered
-        w, inching = (
-            memory.w - memory.gathered + kept,
-            inched(memory.inching, error, shut, abs(inch), p.free_ways[i], dt),
-        )
-        return Joint(
-            a=x.a,
-            b=x.b,
-            w=w,
-            error=filtered,
-            holding=True,
-            gathered=kept,
-            inching=inching,
-        ), HELD
-    gathered = _gathered(memory, dt * p.integral[i] * error, still, holds, shut)
-    # What the integral has learnt of the valve at speed is kept while the joint holds.
-    grown = memory.w - memory.gathered + gathered if still else memory.w + dt * p.integral[i] * error
+        inching = inched(memory.inching, error, shut, abs(inch), p.free_ways[i], dt)
+        return Joint(a=x.a, b=x.b, w=memory.w, error=filtered, holding=True, inching=inching), HELD
+    # At rest the integral learns what leaks, through an open valve; behind a shut one it would wind up.
+    learns = not still or (not shut and not holds)
+    grown = memory.w + dt * p.integral[i] * error if learns else memory.w
     w = max(-p.integral_limit, min(p.integral_limit, grown))
     part = x.a / FULL_RATE
     quick = 1.0 if i == 0 else min(1.0, part * part)
@@ -238,31 +224,7 @@ def _joint_servo(
     fed_back = filtered if still and shut else filtered + quick * (error - filtered)
     u = HELD if holds else coordinated(x._replace(s=x.r - fed_back, w=x.w + w), p.gains[i])
     inching = served(memory.inching, dt) if all_rest else MOVING
-    return Joint(
-        a=x.a,
-        b=x.b,
-        w=w,
-        error=filtered,
-        holding=holds,
-        gathered=gathered,
-        inching=inching,
-    ), u
-
-
-def _gathered(memory: Joint, step: float, still: bool, holds: bool, shut: bool) -> float:
-    """Return what the integral has gathered at rest [rad/s].
-
-    It counts in full while the valve is open to feed leakage. A valve that is shut it only helps to
-    open: more would open it wide, and the other way once the joint has moved.
-    """
-    before = memory.gathered
-    if not still or (holds and shut):
-        return 0.0
-    if holds:
-        return before
-    if not shut:
-        return before + step
-    return max(min(before, -MOST_GATHERED), min(max(before, MOST_GATHERED), before + step))
+    return Joint(a=x.a, b=x.b, w=w, error=filtered, holding=holds, inching=inching), u
 
 
 def _smooth_acceleration(

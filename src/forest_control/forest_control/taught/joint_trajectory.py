@@ -18,7 +18,7 @@ from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
-from scipy.interpolate import CubicHermiteSpline
+import scipy
 
 from forest_control.config.controller_settings import Parameters
 from forest_control.servo.link_bending import link_angles
@@ -134,6 +134,8 @@ def _between(before: TrajectoryPoint, after: TrajectoryPoint, u: float) -> Vec3:
     if before.rates is None or after.rates is None:
         one, two, three = (a + u * (b - a) for a, b in zip(before.angles, after.angles, strict=True))
         return one, two, three
-    ends = CubicHermiteSpline([0.0, h], [before.angles, after.angles], [before.rates, after.rates])
+    ends = scipy.interpolate.CubicHermiteSpline(
+        [0.0, h], [before.angles, after.angles], [before.rates, after.rates]
+    )
     one, two, three = ends(u * h).tolist()
     return one, two, three

@@ -31,8 +31,7 @@ from forest_description.types import Vec3
 
 PATIENCE = 10.0  # [s] WAITING: a deadman that is pressed much later must not start what was forgotten
 NEAR = 0.01  # [m] from a stop: above the resolvers' noise, and what a machine's errors leave
-SETTLED = 1.5  # [s] near a stop, after which the tip has arrived. A joint that sets out the other way within
-# `valve_hold.SOON` of its last motion is taken for one that cycles, and a slow swing then starts late.
+SETTLED = 1.5  # [s] near a stop, after which the tip has arrived: the crane has rocked; chosen
 STUCK = 3.0  # [s] without getting on by `PROGRESS`: something holds the tip
 PROGRESS = 0.005  # [m] along the leg that shows that the tip follows
 FARTHEST = 0.09  # [m] of the tip from its path: just before the controller refuses

@@ -18,8 +18,7 @@ from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
-from scipy.interpolate import CubicSpline
-from scipy.spatial import cKDTree
+import scipy
 
 from forest_description.types import Floats, Vec3
 
@@ -140,7 +139,7 @@ def _smooth(stretch: list[Vec3]) -> Floats:
         return table
     ways = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(table, axis=0), axis=1))])
     within = [np.linspace(a, b, math.ceil((b - a) / STEP) + 1)[1:] for a, b in pairwise(ways.tolist())]
-    smooth: Floats = CubicSpline(ways, table)(np.concatenate([[0.0], *within]))
+    smooth: Floats = scipy.interpolate.CubicSpline(ways, table)(np.concatenate([[0.0], *within]))
     return smooth
 
 
@@ -162,7 +161,7 @@ def distance_from(line: Floats, places: Floats) -> Floats:
     """
     fresh = np.linalg.norm(np.diff(line, axis=0), axis=1) > 0.0
     line = line[np.concatenate([[True], fresh])]
-    nearest = cKDTree(line).query(places, k=range(1, min(NEIGHBOURS, len(line)) + 1))[1]
+    nearest = scipy.spatial.cKDTree(line).query(places, k=range(1, min(NEIGHBOURS, len(line)) + 1))[1]
     starts = np.clip(np.hstack([nearest - 1, nearest]), 0, max(0, len(line) - 2))
     piece = line[np.minimum(starts + 1, len(line) - 1)] - line[starts]
     since = places[:, None] - line[starts]

@@ -36,8 +36,9 @@ from forest_control.valve.valve_driver_parameters import (
     moved_spools,
 )
 from forest_control.valve.valve_flow import AxisMeasurement
-from forest_control.valve.valve_hold import CALM, SHUT, HoldState, held_command
+from forest_control.valve.valve_hold import SHUT, HoldState, held_command
 from forest_control.valve.valve_inverse import spool_voltage
+from forest_description.components.valve_characteristic import ValveLaw
 from forest_description.types import Vec3
 
 ValveEstimates = tuple[ValveEstimate, ValveEstimate, ValveEstimate]
@@ -65,7 +66,7 @@ class State(NamedTuple):
     holds: Holds = (SHUT, SHUT, SHUT)
     voltages: Vec3 = (0.0, 0.0, 0.0)  # [V] given last, without dither
     saturated: tuple[bool, bool, bool] = (False, False, False)  # a valve could not open as far as commanded
-    phase: float = 0.0  # of the dither, in turns
+    phase: float = 0.0  # of the dither, in turns; zero while all valves are shut: equal openings are alike
     estimates: ValveEstimates = (NO_ESTIMATE, NO_ESTIMATE, NO_ESTIMATE)
     ahead: float = 0.0  # [s] for how long a voltage may stay in force
     borne: float = 0.0  # swing's load, low-passed more slowly [N m]
@@ -131,7 +132,8 @@ def step(
     swing = _axis(0, command[0], supply, tank, measured, motion.positions[0], state, p, dt)
     boom = _axis(1, command[1], supply, tank, measured, motion.positions[1], state, p, dt)
     stick = _axis(2, command[2], supply, tank, measured, motion.positions[2], state, p, dt)
-    phase = (state.phase + p.dither_frequency * dt) % 1.0
+    is_shut = swing.voltage == 0.0 and boom.voltage == 0.0 and stick.voltage == 0.0
+    phase = 0.0 if is_shut else (state.phase + p.dither_frequency * dt) % 1.0
     after = state._replace(
         holds=(swing.hold, boom.hold, stick.hold),
         voltages=(swing.voltage, boom.voltage, stick.voltage),
@@ -177,44 +179,53 @@ def _axis(
     dt: float,
 ) -> AxisMemory:
     """Return one axis a step on; supply and tank [Pa], position [rad; m]; measured: the pressures are."""
-    axis, spool = p.axes[i], state.spools[i]
-    rated = axis.valve.forward.rated_voltage
+    axis, hold, wanted, saturated = p.axes[i], state.holds[i], command, False
+    low, high = -axis.valve.backward.rated_voltage, axis.valve.forward.rated_voltage
     if not math.isfinite(command):
         return AxisMemory(SHUT, 0.0, False)
-    low = axis.valve.backward.rated_voltage
-    hold, wanted, saturated = state.holds[i], command, False
     if p.compensate:
-        # A leaking motor under load must be fed to stand still, by however small a command; zero is zero.
-        # While the swing is held its weight on a slope counts, not its rocking after a stop.
-        load = _steady_load(state.loads[0], state.borne) if i == 0 and abs(command) < HELD else state.loads[i]
-        leaked = rated * axis.slip * load / axis.rated_speed
-        fed = command + leaked if command != 0.0 else 0.0
-        least = axis.least_fed
-        opens = (
-            p.hold_zone if abs(leaked) <= _least_leakage(leaked, spool, least) else min(least, p.hold_zone)
-        )
-        hold, fed = held_command(
-            hold, fed, p.hold_zone, opens, p.command_noises[i], abs(command) < HELD, p.adapt, dt
-        )
+        hold, fed = _fed(i, command, state, p, dt)
         law = estimated_law(axis.valve, state.estimates[i]) if p.adapt else axis.valve
         mean = max(0.0, state.means[i]) if measured and axis.fills else -1.0
         if fed != 0.0:
             wanted = spool_voltage(fed, state.loads[i], mean, supply, tank, position, axis, law, p)
         else:
             wanted = 0.0
-        saturated = not -low < wanted < rated
-        edge = (law.forward if wanted > 0.0 else law.backward).deadband_voltage
-        gently = hold.calm_for >= CALM and hold.wide > 2.0
-        crosses = p.beyond_valve and wanted != 0.0 and state.ahead > 0.0 and not gently
-        if crosses and math.copysign(1.0, wanted) * spool < edge:
-            # A first-order spool needs some time constants to just beyond the overlap. With more voltage it
-            # is there in one period; in force for longer, that voltage would open the valve wide. Outside
-            # the overlap the command's lead makes up for the lag; at rest there is time.
-            wanted = spool + (wanted - spool) / (1.0 - left(axis.spool.lag, max(SOONEST, state.ahead)))
+        saturated = not low < wanted < high
+        if p.beyond_valve:
+            wanted = _over_the_overlap(wanted, state.spools[i], state.ahead, law, axis)
     most = p.slew_limit * dt if dt > 0.0 or p.slew_limit < math.inf else math.inf  # not inf * 0
     slewed = max(state.voltages[i] - most, min(state.voltages[i] + most, wanted))
-    voltage = max(-low, min(rated, slewed))
-    return AxisMemory(hold, voltage, saturated)
+    return AxisMemory(hold, max(low, min(high, slewed)), saturated)
+
+
+def _fed(i: int, command: float, state: State, p: Parameters, dt: float) -> tuple[HoldState, float]:
+    """Return the hold a step on, and the command [V] that passes, with what leaks.
+
+    A leaking motor under load must be fed to stand still, by however small a command; zero is zero.
+    While the swing is held its weight on a slope counts, not its rocking after a stop.
+    """
+    axis, spool, held = p.axes[i], state.spools[i], abs(command) < HELD
+    load = _steady_load(state.loads[0], state.borne) if i == 0 and held else state.loads[i]
+    leaked = axis.valve.forward.rated_voltage * axis.slip * load / axis.rated_speed
+    fed, least = command + leaked if command != 0.0 else 0.0, axis.least_fed
+    leaks = abs(leaked) > _least_leakage(leaked, spool, least)
+    opens = min(least, p.hold_zone) if leaks else p.hold_zone
+    side = math.copysign(1.0, leaked) if leaks else 0.0
+    return held_command(state.holds[i], fed, p.hold_zone, opens, side, p.command_noises[i], held, dt)
+
+
+def _over_the_overlap(wanted: float, spool: float, ahead: float, law: ValveLaw, axis: AxisDriver) -> float:
+    """Return the voltage [V] that brings a spool from within the overlap to where it is wanted.
+
+    A first-order spool needs some time constants to just beyond the overlap. With more voltage it is
+    there in one period; in force for longer, that voltage would open the valve wide. Outside the
+    overlap the command's lead makes up for the lag.
+    """
+    edge = (law.forward if wanted > 0.0 else law.backward).deadband_voltage
+    if wanted == 0.0 or ahead == 0.0 or math.copysign(1.0, wanted) * spool >= edge:
+        return wanted
+    return spool + (wanted - spool) / (1.0 - left(axis.spool.lag, max(SOONEST, ahead)))
 
 
 def _tank_pressure(command: Vec3, p: Parameters) -> float:

@@ -22,7 +22,7 @@ from forest_description.config.parameter import (
     may_be_left_out,
     parameter_of,
 )
-from forest_description.config.source_tree import QUANTITY_KEYS, ROW_KEYS, Branch, Leaf, Row
+from forest_description.config.source_tree import QUANTITY_KEYS, ROW_KEYS, UNCERTAINTY, Branch, Leaf, Row
 from forest_description.config.units import UNITS, Unit, units_for
 
 T = TypeVar("T")
@@ -47,6 +47,7 @@ class Quantity(NamedTuple):
     value: float | tuple[float, ...]
     unit: str
     source: str
+    uncertainty: float | None = None  # half the width of the 95 % interval, in the file's own unit
 
 
 def build(kind: type[T], tree: Branch, prefix: str = "") -> T:
@@ -198,10 +199,11 @@ def _quantity(key: str, item: Item, allowed: Parameter, row: bool) -> Quantity:
     if not isinstance(item, Branch):
         given = item.text if isinstance(item, Leaf) else ", ".join(item.texts)
         raise MachineError(f"{item.place}: {key} = {given}: a number must be written {form}")
+    every = keys if row else (*keys, UNCERTAINTY)
     for part in item.children:
-        if part not in keys:
+        if part not in every:
             raise MachineError(
-                f"{item.children[part].place}: unknown key {key}.{part}; allowed: {', '.join(keys)}"
+                f"{item.children[part].place}: unknown key {key}.{part}; allowed: {', '.join(every)}"
             )
     parts = [item.children.get(part) for part in keys]
     for part, found in zip(keys, parts, strict=True):
@@ -211,7 +213,18 @@ def _quantity(key: str, item: Item, allowed: Parameter, row: bool) -> Quantity:
     texts = parts[0].texts if isinstance(parts[0], Row) else (str(parts[0].text),)  # type: ignore[union-attr]
     values = tuple(_number(f"{item.place}: {key}", text, allowed) for text in texts)
     unit, source = (str(leaf.text) for leaf in parts[1:] if isinstance(leaf, Leaf))
-    return Quantity(key, values if row else values[0], unit, source)
+    uncertainty = _uncertainty(f"{item.place}: {key}.{UNCERTAINTY}", item.children.get(UNCERTAINTY), allowed)
+    return Quantity(key, values if row else values[0], unit, source, uncertainty)
+
+
+def _uncertainty(where: str, item: Item | None, allowed: Parameter) -> float | None:
+    """Return the half-width of a number's 95 % interval as the file has it; None if it tells none."""
+    if item is None:
+        return None
+    value = _number(where, item.text or "", allowed) if isinstance(item, Leaf) else 0.0
+    if value <= 0.0:
+        raise MachineError(f"{where}: allowed: half the width of the 95 % interval, above 0")
+    return value
 
 
 def _number(where: str, text: str, allowed: Parameter) -> float:

@@ -18,6 +18,7 @@ from forest_description.config.parameter import MachineError
 
 QUANTITY_KEYS = ("value", "unit", "source")
 ROW_KEYS = ("values", "unit", "source")
+UNCERTAINTY = "uncertainty"  # a number may have one
 DEEPEST = 50  # levels
 
 
@@ -55,6 +56,11 @@ def shipped_machines() -> list[str]:
     return sorted(item.name[: -len(".yaml")] for item in folder.iterdir() if item.name.endswith(".yaml"))
 
 
+def is_shipped(name: str) -> bool:
+    """Tell whether a name is not that of a file: a shipped machine's, or one's that is drawn."""
+    return random_machine.is_unknown(name) or (Path(name).suffix == "" and Path(name).name == name)
+
+
 def read(name_or_path: str | Path) -> Branch:
     """Return the tree of a machine file, laid over the machine that it is based on.
 
@@ -80,7 +86,7 @@ def texts(name_or_path: str | Path) -> list[tuple[str, str]]:
 
 def _layers(name: str, folder: Path, derived: tuple[str, ...]) -> list[tuple[str, str, Branch]]:
     """Read a machine named in a file of ``folder``; ``derived`` are the machines that are based on it."""
-    shipped = random_machine.is_unknown(name) or (Path(name).suffix == "" and Path(name).name == name)
+    shipped = is_shipped(name)
     identity = name if shipped else str((folder / name).resolve())
     if identity in derived:
         raise MachineError(f"based_on goes round in a circle: {' -> '.join([*derived, identity])}")

@@ -26,6 +26,28 @@ def machine_text(machine: Machine, source: str) -> str:
     return "\n".join(_lines(machine, json.dumps(source, ensure_ascii=False), 0)) + "\n"
 
 
+def entries(part: Any, source: str, prefix: str) -> dict[str, str]:
+    """Return the text of every number and choice of a section, by dotted key.
+
+    Args:
+        part: a section of a machine.
+        source: of every number, as the file tells it.
+        prefix: dotted key of the section.
+    """
+    found = {f"{prefix}.kind": part.kind} if getattr(part, "kind", "") else {}
+    for field in dataclasses.fields(part):
+        value, allowed, key = getattr(part, field.name), parameter_of(field), f"{prefix}.{field.name}"
+        if value is None:
+            found |= {} if may_be_left_out(field) else {key: "null"}
+        elif allowed is not None:
+            found[key] = _number(value, allowed, json.dumps(source, ensure_ascii=False))
+        elif isinstance(value, str):
+            found[key] = json.dumps(value, ensure_ascii=False)
+        else:
+            found |= entries(value, source, key)
+    return found
+
+
 def _lines(part: Any, source: str, depth: int) -> Iterator[str]:
     """Yield the lines of a section, its kind first."""
     indent = "  " * depth

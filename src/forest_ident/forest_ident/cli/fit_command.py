@@ -1,7 +1,6 @@
 """`forest-ident fit`: bags in, machine file and report out."""
 
 import argparse
-import math
 import sys
 import time
 from itertools import combinations
@@ -11,14 +10,17 @@ from typing import Any
 import numpy as np
 
 from forest_bag.read.bag_reader import FILE_KINDS, SUFFIXES
-from forest_description.machine import Machine, load_machine
-from forest_ident.estimators.calibration import Offset
+from forest_description.machine import Machine, load_machine, uncertainties
+from forest_ident.cli import fit_tables
 from forest_ident.experiments import experiment_plan
 from forest_ident.measurements import session_bag
 from forest_ident.measurements.session import Session, SessionError
+from forest_ident.model_choice import candidates, choice
 from forest_ident.refinement import identification
-from forest_ident.refinement.result import Result, table, unidentified, value_in
+from forest_ident.refinement.result import Result, unidentified
 from forest_ident.report import machine_writer
+from forest_ident.validation import prediction_error
+from forest_ident.validation.verdict import verdict
 from forest_msgs_py.runtime.command_line import StatusLine
 
 WIDTH = 30  # characters of the progress bar
@@ -35,6 +37,10 @@ def add_parser(verbs: Any) -> None:
     parser.add_argument("--report", type=Path, metavar="DIR", help="to be made: report.html")
     help_truth = "of a simulated machine: told beside what was found, and not used for it"
     parser.add_argument("--truth", metavar="NAME|FILE", help=help_truth)
+    help_allow = "physics to add to the start; kept if held-out records are predicted better"
+    parser.add_argument(
+        "--allow", nargs="+", choices=candidates.NAMES, default=(), metavar="PHYSICS", help=help_allow
+    )
     parser.add_argument(
         "--linear", action="store_true", help="the thesis' estimators alone, without refinement"
     )
@@ -53,7 +59,12 @@ def run(options: argparse.Namespace) -> int:
     _refuse_strangers(start, sessions)
     _refuse_twice(sessions)
     bar = Bar()
-    result = identification.identify(start, list(sessions.values()), bar, refine=not options.linear)
+    given, stated = list(sessions.values()), uncertainties(options.start)
+
+    def identify(machine: Machine) -> Result:
+        return identification.identify(machine, given, bar, not options.linear, stated)
+
+    result = choice.chosen(start, identify, options.allow)
     bar.end()
     if not (result.estimates or result.calibration):
         said = "".join(f"; {remark}" for remark in result.remarks)
@@ -62,17 +73,23 @@ def run(options: argparse.Namespace) -> int:
             f"nothing for a machine file from {names}{said}; `forest-ident experiment list` tells which "
             "records hold something"
         )
-    result.machine = machine_writer.write(result, options.start, options.out)
-    print(text_table(result))
+    held_out = [(s.name, prediction_error.predicted(result.machine, s)) for s in result.held_out]
+    judged = verdict(result, held_out)
+    print("\n  ".join([f"verdict: {judged.lines[0]}", *judged.lines[1:]]))
+    print(fit_tables.text_table(result))
+    for name, signals in held_out:
+        print(f"  held out: {name}\n{prediction_error.text_table(signals)}")
+    result.machine = machine_writer.write(result, options.start, options.out, judged.doubts)
     if truth is not None:
-        print(against(result, truth))
+        print(fit_tables.against(result, truth))
     _tell_rest(result, sessions)
     print(f"  {options.out}")
     if options.report is not None:
         from forest_ident.report.identification_report import write  # matplotlib takes half a second
 
-        print(f"  {write(result, options.report)}")
-    return 0
+        bags = {str(path): session.name for path, session in sessions.items()}
+        print(f"  {write(result, options.report, judged, held_out, options.start, bags)}")
+    return judged.code
 
 
 def _tell_rest(result: Result, sessions: dict[Path, Session]) -> None:
@@ -94,7 +111,7 @@ def _demand_room(out: Path, report: Path | None) -> None:
     if out.suffix != ".yaml":
         raise SessionError(f"--out {out}: allowed: a file that ends in .yaml")
     for option, path in (("--out", out), ("--report", report)):
-        if path is None:
+        if path is None or _is_own(path):
             continue
         if path.exists():
             raise SessionError(f"{path} exists already; choose another {option} or remove it")
@@ -106,6 +123,13 @@ def _demand_room(out: Path, report: Path | None) -> None:
             raise SessionError(
                 f"{option} {path}: cannot be written ({error.strerror}); allowed: a folder you may write to"
             ) from error
+
+
+def _is_own(path: Path) -> bool:
+    """Tell whether a path is what an earlier fit wrote, which a second run may make anew."""
+    if path.is_dir():
+        return [child.name for child in path.iterdir()] == ["report.html"]
+    return path.is_file() and path.read_text("utf-8", errors="replace").startswith(machine_writer.OWN)
 
 
 def _refuse_strangers(start: Machine, sessions: dict[Path, Session]) -> None:
@@ -157,40 +181,6 @@ def _is_bag(path: Path) -> bool:
     if path.is_dir():
         return any(child.is_file() and child.name.endswith(SUFFIXES) for child in path.iterdir())
     return path.is_file() and path.name.endswith(SUFFIXES)
-
-
-def text_table(result: Result) -> str:
-    """Return the estimates as text: start, value, interval, warning; sensors."""
-    lines = [f"  {'parameter':<42} {'told':>11} {'found':>13}  95 % interval"]
-    for e, before in table(result):
-        value, low, high = e.formatted()
-        was = "-" if before is None else f"{before:.5g}"
-        lines.append(f"  {e.key:<42} {was:>11} {value:>13}  {low} .. {high} {e.unit}")
-        if e.warning:
-            lines.append(f"    warning: {e.warning}")
-    return "\n".join(lines + [_calibrated(o) for o in result.calibration if math.isfinite(o.offset_error)])
-
-
-def against(result: Result, truth: Machine) -> str:
-    """Return the error of every estimate, and whether its interval contains the truth."""
-    pairs = [(e, value_in(truth, e.key)) for e, _ in table(result)]
-    known = [(e, true) for e, true in pairs if true is not None]
-    held = sum(e.contains(true) for e, true in known)
-    lines = []
-    for e, true in known:
-        off = f"{e.value - true:+.7f} {e.unit}"
-        if true != 0.0 and e.positive:
-            off = f"{100.0 * (e.value / true - 1.0):+.5f} %"
-        missed = "" if e.contains(true) else ", interval misses"
-        lines.append(f"  {e.key:<42} truth {true:<11.6g} off by {off}{missed}")
-    return "\n".join([*lines, f"  {held} of {len(lines)} 95 % intervals hold the truth"])
-
-
-def _calibrated(o: Offset) -> str:
-    """Return offset and gain of a sensor as text."""
-    pairs = zip(("offset", "gain"), o.formatted(), strict=True)
-    parts = ", ".join(f"{name} {text}" for name, text in pairs if text)
-    return f"  sensors.calibration.{o.channel:<26} {parts}"
 
 
 class Bar:

@@ -9,6 +9,7 @@ from forest_description.machine import load_machine
 from forest_ident.measurements import session_bag
 from forest_ident.measurements.session import SessionError
 from forest_ident.validation import prediction_error
+from forest_ident.validation.verdict import NOT_TRUSTED, TRUSTED
 
 
 def add_parser(verbs: Any) -> None:
@@ -32,15 +33,24 @@ def run(options: argparse.Namespace) -> int:
     model = load_machine(options.model)
     session = session_bag.read(options.bag)
     found = prediction_error.signals(model, session)
+    missed = prediction_error.over_limit(found)
+    code = NOT_TRUSTED if missed else TRUSTED
+    if missed:
+        print(f"verdict: {model.name} does not predict {options.bag}: {'; '.join(missed)}")
+    else:
+        print(f"verdict: {model.name} predicts {options.bag}")
     print(prediction_error.text_table(found))
     if options.report is None:
-        return 0
+        return code
     from forest_ident.report.validation_report import write  # matplotlib takes half a second
 
     page = write(session, model, found, options.report)
-    scores = {f"{s.axis} {s.name}": {"nrmse": s.nrmse, "vaf": s.vaf} for s in found}
+    scores = {
+        f"{s.axis} {s.name}": {"nrmse": s.nrmse, "limit": prediction_error.limit(s), "vaf": s.vaf}
+        for s in found
+    }
     file = options.report / "validation.json"
     text = json.dumps({"model": model.name, "record": session.name, "signals": scores}, indent=2)
     file.write_text(text + "\n", encoding="utf-8")
     print(f"  {page}\n  {file}")
-    return 0
+    return code

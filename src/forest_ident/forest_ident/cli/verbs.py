@@ -3,7 +3,8 @@
 The program itself is `forest_study.experiments.forest_ident_main`, which adds the verb that starts a graph.
 Each verb is a module
 with `add_parser(subparsers)`, which names its flags and sets `command`, a function that takes the parsed
-arguments and returns the exit code. Exit codes: 0 well, 1 failed, 2 wrong arguments, 130 stopped.
+arguments and returns the exit code. Exit codes: 0 well, 1 failed, 2 wrong arguments, 3 trusted but for some
+parameters, 4 not trusted, 130 stopped.
 """
 
 import argparse

@@ -4,6 +4,7 @@
 |---|---|---|
 | low, high | joint angles between which an axis is driven | rad |
 | peak | time for which a pressure may be beyond its bound | s |
+| open | voltage beyond which a joint moves | V |
 
 The programme turns an axis round at its soft limits (`experiment_plan`). These bounds lie behind them; beyond
 one, the operator stops altogether. A pressure must be beyond its bound for a while: a closing valve makes a
@@ -17,7 +18,7 @@ from typing import NamedTuple
 
 from forest_description.derived.limits import joint_limits
 from forest_description.machine import Machine
-from forest_description.types import AXES, Vec3
+from forest_description.types import AXES, ZERO, Vec3
 from forest_ident.experiments.excitation import Programme, Track
 from forest_ident.experiments.experiment_plan import SWING_ROOM, Plan, cylinder_range
 
@@ -27,6 +28,8 @@ SWING_BEYOND = 0.4  # [rad] by which the swing may go beyond where it turns roun
 OVERLOAD = 1.5  # of the highest pressure that pump or relief valves allow
 STARVED = 0.25  # of the pump's idle pressure: below, it is off
 PEAK = 0.3  # [s]
+OPENED = 1.0  # [V] beyond the overlap: there each joint moves at once
+STILL = 0.3  # [s] for which an angle may be the same to the last bit then: valve and oil take 0.15 s; chosen
 HOTTEST = 350.0  # [K]
 DEGREES = 180.0 / math.pi
 
@@ -39,6 +42,7 @@ class Bounds(NamedTuple):
     high: Vec3
     pressure: float  # [Pa] at an actuator, at most
     supply: float  # [Pa] at least
+    open: Vec3 = (math.inf, math.inf, math.inf)  # [V]
     temperature: float = HOTTEST  # [K] at most
 
 
@@ -52,10 +56,12 @@ class Readings(NamedTuple):
 
 
 class State(NamedTuple):
-    """Times for which pressures have been beyond their bounds [s]."""
+    """Times for which pressures have been beyond their bounds, and angles the same [s]."""
 
     over: float = 0.0
     starved: float = 0.0
+    still: Vec3 = (0.0, 0.0, 0.0)
+    angles: Vec3 = (math.nan, math.nan, math.nan)  # [rad] the last ones
 
 
 def bounds(plan: Plan, programme: Programme) -> Bounds:
@@ -69,7 +75,13 @@ def bounds(plan: Plan, programme: Programme) -> Bounds:
         high=(ranges[0][1], ranges[1][1], ranges[2][1]),
         pressure=OVERLOAD * max(m.pump.supply_pressure, relief),
         supply=STARVED * m.pump.idle_pressure,
+        open=(_opened(m, 0), _opened(m, 1), _opened(m, 2)),
     )
+
+
+def _opened(machine: Machine, axis: int) -> float:
+    law = machine.valve_of(axis).law
+    return OPENED + max(law.forward.deadband_voltage, law.backward.deadband_voltage)
 
 
 def around(programme: Programme, plan: Plan, swing: float) -> Programme:
@@ -83,11 +95,17 @@ def around(programme: Programme, plan: Plan, swing: float) -> Programme:
     return programme._replace(tracks=(moved, *programme.tracks[1:]))
 
 
-def step(state: State, seen: Readings, b: Bounds, dt: float) -> tuple[State, str]:
-    """Return the state after a period [s], and why the experiment must stop; "" if it need not."""
+def step(state: State, seen: Readings, b: Bounds, dt: float, volts: Vec3 = ZERO) -> tuple[State, str]:
+    """Return the state after a period [s] under voltages [V], and why the experiment must stop, or ""."""
     over = state.over + dt if any(p > b.pressure for p in seen.pressures) else 0.0
     starved = state.starved + dt if seen.supply < b.supply else 0.0
-    after = State(over, starved)
+    after = State(over, starved, _still(state, seen.angles, b, dt, volts), seen.angles)
+    for name, still in zip(AXES, after.still, strict=True):
+        if still > STILL:
+            return (
+                after,
+                f"the {name} reads the same to the last bit though its valve is open: frozen, or stuck",
+            )
     if reason := out_of_bounds(seen.angles, b):
         return after, reason
     if over > PEAK:
@@ -98,6 +116,17 @@ def step(state: State, seen: Readings, b: Bounds, dt: float) -> tuple[State, str
     if seen.temperature > b.temperature:
         return after, f"the oil is at {seen.temperature:.1f} K; allowed: up to {b.temperature:g} K"
     return after, ""
+
+
+def _still(state: State, angles: Vec3, b: Bounds, dt: float, volts: Vec3) -> Vec3:
+    """Return for how long driven joints have read the same under open valves [s]."""
+    swing, boom, stick = (
+        before + dt if driven and angle == last and abs(volt) > opened else 0.0
+        for before, driven, angle, last, volt, opened in zip(
+            state.still, b.driven, angles, state.angles, volts, b.open, strict=True
+        )
+    )
+    return swing, boom, stick
 
 
 def out_of_bounds(angles: Vec3, b: Bounds) -> str:

@@ -32,7 +32,7 @@ class ScriptedOperator:
         self._created = self._received = now
         self._period, self._order, self._dt = stamped_period.BEGIN, stamp_order.FIRST, PERIOD
         self._at_rest: Vec3 | None = None
-        self._second = -1
+        self._second, self._volts = -1, ZERO
         self.begun = False
 
     @property
@@ -76,10 +76,13 @@ class ScriptedOperator:
         """
         if crane is not None and (moved := self._moved(crane)):
             return ZERO, moved
-        self._monitor, reason = safety_monitor.step(self._monitor, readings, self._bounds, self._dt)
+        self._monitor, reason = safety_monitor.step(
+            self._monitor, readings, self._bounds, self._dt, self._volts
+        )
         angles, programme = readings.angles, self._programme
         self._excitation, volts = excitation.step(self._excitation, angles, programme, self._dt)
-        return (ZERO if reason else volts), reason
+        self._volts = ZERO if reason else volts
+        return self._volts, reason
 
     def _moved(self, angles: Vec3) -> str:
         """Return which joint [rad] of the crane moves while valve or hose are on a rig; "" if none."""

@@ -8,13 +8,11 @@
 
     F J - G_rest(q) = G_m(q) m       boom and stick, at every pose
 
-Rests identify two sums along the links and two across them (`moments`), not every mass. Not in the thesis,
-which has its masses from drawings (section 4.4.1).
+Rests identify two sums along the links and two across them, not every mass: stick and head pull alike. Not in
+the thesis, which has its masses from drawings (section 4.4.1).
 """
 
 import dataclasses
-import math
-from typing import NamedTuple
 
 import numpy as np
 
@@ -52,51 +50,6 @@ def _pose(machine: Machine, session: Session, rows: slice) -> list[float]:
         arm = float(length_and_arm(np.array([angle]), drive.linkage)[1][0])
         torques.append((drive.head_area * one - drive.rod_area * two) * arm)
     return [*q, *torques]
-
-
-class Moment(NamedTuple):
-    """A sum of masses times distances that forces at rest identify."""
-
-    name: str
-    value: float  # [kg m]
-    error: float  # [kg m]
-    known: float  # [kg m] by the machine file
-    condition: float
-
-
-def moments(machine: Machine, session: Session) -> list[Moment]:
-    """Return the four sums that forces at rest identify; none for fewer than three poses, or with a log.
-
-        stick: g ((m3 x3 + m4 l3) cos(q2 + q3) - m3 y3 sin(q2 + q3))
-        boom:  g ((m2 x2 + (m3 + m4) l2) cos q2 - m2 y2 sin q2) + the stick's
-
-    Thesis App. B, G(q).
-
-    Args:
-        machine: whose linkages and areas hold.
-        session: with rests.
-    """
-    m = machine.manipulator
-    angles, torques = poses(machine, session)
-    if m.log is not None or len(angles) < 3:
-        return []
-    down, boom = m.gravity * math.cos(m.platform_tilt), angles[:, 1]
-    stick, none = boom + angles[:, 2], np.zeros(len(angles))
-    of_boom = [down * np.cos(boom), -down * np.sin(boom)]
-    of_stick = [down * np.cos(stick), -down * np.sin(stick)]
-    rows = [np.column_stack([column, none]).ravel() for column in of_boom]
-    fit = solve([*rows, *(np.repeat(column, 2) for column in of_stick)], torques.ravel(), block=2)
-    known = {
-        "m2 x2 + (m3 + m4) l2": m.boom_mass * m.boom_x + (m.stick_mass + m.head_mass) * m.boom_length,
-        "m2 y2": m.boom_mass * m.boom_y,
-        "m3 x3 + m4 l3": m.stick_mass * m.stick_x + m.head_mass * m.stick_length,
-        "m3 y3": m.stick_mass * m.stick_y,
-    }
-    pairs = zip(known, fit.values.tolist(), fit.errors.tolist(), strict=True)
-    return [
-        Moment(name=name, value=value, error=error, known=known[name], condition=fit.condition)
-        for name, value, error in pairs
-    ]
 
 
 def masses(machine: Machine, session: Session, names: tuple[str, ...] = ("head_mass",)) -> LinearFit:

@@ -34,6 +34,16 @@ EXCITATION = {
     "supply_pressure": "an axis held against its end, a transducer in the supply",
     "margin": "oil flowing at several loads, a transducer in the supply",
     "response_time": "steps of flow or load, a transducer in the supply",
+    "coulomb_force": "the axis at several speeds, slow ones too, both ways",
+    "breakaway_force": "the axis started from rest, slowly, both ways, many times",
+    "coulomb_torque": "the swing at several speeds, slow ones too, both ways",
+    "breakaway_torque": "the swing started from rest, slowly, both ways, many times",
+    "hysteresis": "steps of the voltage up and down to the same level, with a spool sensor",
+    "dead_time": "steps of the voltage, with a spool sensor read every 5 ms or faster",
+    "spool_slew_limit": "steps of the voltage by half the rated one and more, with a spool sensor",
+    "share": "starts and stops of boom and stick at low pressure, a transducer at each port",
+    "setting": "the load lowered at several speeds and weights, transducers at the actuator",
+    "pilot_ratio": "the load lowered at several speeds and weights, transducers at the actuator",
     "head_mass": "boom and stick resting in five or more poses",
     "boom_mass": "boom and stick resting in five or more poses",
     "stick_mass": "the head weighed by itself, or taken off: at rest both pull alike",
@@ -58,6 +68,9 @@ class Estimate(NamedTuple):
     positive: bool = True
     warning: str = ""
     initial: bool = True  # of a linear estimate: whether the refinement starts from it
+    withheld: bool = False  # whether its interval means nothing: the model does not explain its record
+    told: float = 0.0  # share of its variance that comes from told numbers
+    most: str = ""  # the told number that most of that comes from
 
     @property
     def interval(self) -> tuple[float, float]:
@@ -81,6 +94,10 @@ class Estimate(NamedTuple):
         value, low_text, high_text = (f"{number:.{digits}g}" for number in (self.value, low, high))
         return value, low_text, high_text
 
+    def told_as(self) -> str:
+        """Return value, half of the 95 % interval and unit as text."""
+        return f"{self.value:.5g} ± {NORMAL_95 * self.standard_error:.2g} {self.unit}"
+
     def contains(self, truth: float) -> bool:
         """Tell whether the interval contains a value [unit]."""
         low, high = self.interval
@@ -99,6 +116,11 @@ class Estimate(NamedTuple):
                 f"{self.condition:.0e}); it takes {motion}"
             )
         return self._replace(warning=text)
+
+
+def is_positive(key: str) -> bool:
+    """Tell whether a parameter is positive, and so estimated by its logarithm."""
+    return not key.endswith("deadband_voltage")
 
 
 def is_loose(value: float, error: float, positive: bool) -> bool:

@@ -13,7 +13,7 @@ the smoothed signals exactly, and no phase lies between its terms.
 import math
 
 import numpy as np
-from scipy.ndimage import gaussian_filter1d
+import scipy
 
 from forest_description.types import Floats
 
@@ -50,7 +50,7 @@ def derivative(signal: Floats, bandwidth: float, period: float, order: int = 1) 
         order: 0, 1 or 2.
     """
     sigma = width(bandwidth, period)
-    result = gaussian_filter1d(signal, sigma, order=order, mode="nearest", truncate=REACH)
+    result = scipy.ndimage.gaussian_filter1d(signal, sigma, order=order, mode="nearest", truncate=REACH)
     return np.asarray(result / period**order, dtype=np.float64)
 
 

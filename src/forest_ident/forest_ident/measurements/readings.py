@@ -16,6 +16,7 @@ import zlib
 from collections.abc import Mapping
 
 import numpy as np
+import scipy
 
 from forest_description.components.valve_characteristic import (
     POLYNOMIAL,
@@ -261,7 +262,5 @@ def speeds(position: Floats, period: float) -> Floats:
 
 def _smoothed(column: Floats, keep: float, before: float) -> Floats:
     """Return y[n] = (1 - k) x[n] + k y[n-1] of a column, from a value before it on."""
-    from scipy.signal import lfilter  # takes a second, which commands that filter nothing need not wait
-
-    filtered, _ = lfilter([1.0 - keep], [1.0, -keep], column, zi=[keep * before])
+    filtered, _ = scipy.signal.lfilter([1.0 - keep], [1.0, -keep], column, zi=[keep * before])
     return np.asarray(filtered, dtype=np.float64)

@@ -38,6 +38,7 @@ from forest_msgs_py.serialization.batch_encoder import Encoder
 
 FILE = "experiment.yaml"
 SAME_CLOCK = 1_000_000_000  # [ns] by which a message may be sent later than it is stamped
+HOLE = 0.5  # [s] without samples: what moved meanwhile, nobody knows
 TICK = 1000  # [ns]
 CHUNK_BYTES = 1024 * 1024
 POSITION = ".position"  # ends a label of topics with positions and speeds
@@ -136,10 +137,11 @@ def read(path: Path) -> Session:
     bag = read_bag(path)
     name, facts = _experiment(path)
     base = _first_there(bag, path)
-    time = bag.series(base).time_ns * 1e-9
-    time = time - time[0] if len(time) else time
+    time = bag.series(base).time_ns.astype(np.float64) * 1e-9
+    time -= time[0] if len(time) else 0.0
     if len(time) < 3 or not np.all(np.diff(time) > 0.0):
         raise SessionError(f"{path}: needs three samples or more with rising stamps")
+    _refuse_hole(path, base, time)
     begin = int(bag.series(base).time_ns[0])
     period = float(np.median(np.diff(time)))
     grid = period * np.arange(round(time[-1] / period) + 1)
@@ -159,6 +161,21 @@ def read(path: Path) -> Session:
     return Session(
         name=name, time=grid, voltages=voltages, readings=readings, metadata=facts, whole=bag.complete
     )
+
+
+def _refuse_hole(path: Path, base: Topic, time: Floats) -> None:
+    """Refuse a record in whose middle samples are missing.
+
+    Raises:
+        SessionError: some are.
+    """
+    widest = int(np.argmax(np.diff(time)))
+    begin, end = time[widest], time[widest + 1]
+    if end - begin > HOLE:
+        raise SessionError(
+            f"{path}: a hole from {begin:.2f} to {end:.2f} s, without a sample of {base.name}; allowed: "
+            f"holes up to {HOLE} s: record it again, or cut it into two bags"
+        )
 
 
 def _first_there(bag: Bag, path: Path) -> Topic:
@@ -206,8 +223,9 @@ def _experiment(path: Path) -> tuple[str, dict[str, float]]:
         name = str(content["experiment"])
         facts = {str(key): value(str(key), entry) for key, entry in (content.get("facts") or {}).items()}
     except (yaml.YAMLError, AttributeError, KeyError, TypeError, ValueError) as error:
+        why = " ".join(str(error).split())
         raise SessionError(
-            f"{file}: not usable ({error}); allowed: experiment: NAME and "
+            f"{file}: not usable ({why}); allowed: experiment: NAME and "
             "facts: {key: {value: 1.0, unit: m3}}"
         ) from error
     return name, facts

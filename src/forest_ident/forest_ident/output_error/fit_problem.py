@@ -8,7 +8,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from typing import NamedTuple
 
 import numpy as np
-from scipy.special import log_ndtr
+import scipy
 
 from forest_description.types import Bools, Floats
 from forest_ident.output_error.gaussian_estimate import (
@@ -23,6 +23,13 @@ Jacobian = Sequence[Mapping[str, Floats]]
 """Derivatives of the predicted columns, one entry per parameter."""
 
 
+LONGER = (1, 4)  # times a block: residuals may be correlated over more than one
+FEWEST = 8  # blocks that show a scatter
+
+
+EPSILON = 1e-3  # of a told number's standard deviation, by which it is moved
+
+
 class Unknown(NamedTuple):
     """A parameter: dotted key (or name of an offset), start, prior, whether it is positive (logarithm)."""
 
@@ -30,7 +37,8 @@ class Unknown(NamedTuple):
     start: float
     prior: float = math.inf  # standard deviation; of a positive one relative
     positive: bool = True
-    difference: float = 1e-4  # for derivatives; of a positive one relative
+    difference: float = 1e-7  # for derivatives; of a positive one relative. With a greater one the curvature
+    # would tell apart what no record can: masses, areas and flows that all grow together
 
 
 class Channel(NamedTuple):
@@ -56,6 +64,7 @@ class Fit(NamedTuple):
     residuals: dict[str, Floats]  # standardised, censored rows left out as NaN
     noise: dict[str, float]
     iterations: int
+    told_noise: dict[str, float]  # what wrong told numbers may leave in each channel, in its unit
 
 
 class Problem:
@@ -183,10 +192,11 @@ class Problem:
     def covariance(
         self, theta: Floats, predicted: Columns, jacobian: Jacobian, redrawn: Sequence[Columns] = ()
     ) -> Floats:
-        """Return the covariance of theta: of white residuals, widened by the scatter of the blocks.
+        """Return the covariance of theta: of white residuals, widened where they are not.
 
-        A sandwich of some ten blocks estimates the variances, but not the correlations of as many parameters.
-        As prior of the next fit it would give some of their sums and differences far too small an error.
+        The record's share counts times the scatter of its blocks (`inflation`) at the parameter where that is
+        most: H^-1 (F J'J + prior's information) H^-1. All parameters are widened alike: widened one by one,
+        flows and leakages that can only grow together would seem told apart by the next record.
 
         Args:
             theta: at the end of the fit.
@@ -202,12 +212,45 @@ class Problem:
             influence, firsts = j @ spread, np.arange(0, len(residual), self._block)
             found[: len(firsts)] += np.add.reduceat(influence * residual[:, np.newaxis], firsts)
             white[: len(firsts)] += np.add.reduceat(influence**2, firsts)
-        of_prior = np.diag(spread @ self.known @ spread)
-        wanted = of_prior + inflation(found, white) * np.sum(white, axis=0)
-        scale = np.sqrt(np.maximum(wanted / np.maximum(np.diag(spread), 1e-300), 1.0))
+        starts = [np.arange(0, count, longer) for longer in LONGER if longer == 1 or FEWEST * longer <= count]
+        factors = [inflation(np.add.reduceat(found, at), np.add.reduceat(white, at)) for at in starts]
+        factor = max((float(np.max(one[: self.count], initial=1.0)) for one in factors), default=1.0)
+        widened = spread @ (factor * information + self.known) @ spread
         moves = [spread @ (self.normal(theta, after, jacobian)[1] - gradient) for after in redrawn]
         of_inputs = np.mean([np.outer(move, move) for move in moves], axis=0) if moves else 0.0
-        return np.asarray(spread * np.outer(scale, scale) + of_inputs, dtype=np.float64)
+        return np.asarray(widened + of_inputs, dtype=np.float64)
+
+    def told_effect(
+        self, theta: Floats, predicted: Columns, jacobian: Jacobian, moved: Sequence[Columns], before: Floats
+    ) -> tuple[Floats, dict[str, float]]:
+        """Return how told numbers move theta (theta, told), and what they may leave in each channel.
+
+        A told number is not estimated. Where the cost is least, its gradient stays zero while the number
+        moves: so theta moves by H^-1 (prior's information times the prior's move - J'J_t).
+
+        Args:
+            theta: at the end of the fit.
+            predicted: there.
+            jacobian: there.
+            moved: predicted with each told number `EPSILON` of its standard deviation off.
+            before: moves of the prior's mean (theta, told).
+        """
+        rows = list(self._rows(theta, predicted, jacobian))
+        pulls, changes = np.zeros(before.shape), []
+        for channel, residual, j in rows:
+            after = [self.row(channel, self.reading(theta, channel.name, m[channel.name]))[0] for m in moved]
+            table = np.array(after).reshape(len(moved), len(residual)).T
+            changes.append((table - residual[:, np.newaxis]) / EPSILON)
+            pulls += j.T @ changes[-1]
+        information = sum((j.T @ j for _, _, j in rows), np.zeros((len(theta), len(theta))))
+        slopes = covariance_of(information + self.known) @ (self.known @ before - pulls)
+        noise = {}
+        for (channel, residual, j), change in zip(rows, changes, strict=True):
+            squares = np.sum((change + j @ slopes) ** 2, axis=1)[residual != 0.0]
+            noise[channel.name] = self.sigma[channel.name] * math.sqrt(
+                float(np.mean(squares)) if len(squares) else 0.0
+            )
+        return slopes, noise
 
 
 def _censor(
@@ -221,7 +264,7 @@ def _censor(
 ) -> None:
     """Set the censored rows to sqrt(-2 ln P(reading is below the bound)) and its derivative."""
     z = (bound - reading[rows]) / sigma
-    logarithm = log_ndtr(z)
+    logarithm = scipy.special.log_ndtr(z)
     size = np.sqrt(np.maximum(-2.0 * logarithm, 1e-300))
     density = np.exp(-0.5 * z * z - 0.5 * math.log(2.0 * math.pi) - logarithm)
     residual[rows] = size

@@ -27,6 +27,16 @@ class GaussianEstimate(NamedTuple):
     names: tuple[str, ...] = ()
     mean: Floats = np.zeros(0)
     covariance: Floats = np.zeros((0, 0))
+    slopes: Floats | None = None
+    """Moves of the mean by one standard deviation of each told number (names, told); None: none."""
+
+    def moves(self, names: tuple[str, ...], count: int) -> Floats:
+        """Return the slopes of some names, 0 of those that are not known (names, told)."""
+        found = np.zeros((len(names), count))
+        for place, name in enumerate(names):
+            if self.slopes is not None and name in self.names:
+                found[place] = self.slopes[self.names.index(name)]
+        return found
 
     def of(self, name: str) -> tuple[float, float]:
         """Return mean and standard deviation of a name.
@@ -36,6 +46,18 @@ class GaussianEstimate(NamedTuple):
         """
         place = self.names.index(name)
         return float(self.mean[place]), float(np.sqrt(max(self.covariance[place, place], 0.0)))
+
+    def value(self, name: str, positive: bool) -> float:
+        """Return the mean of a name as a number; a positive one is kept by its logarithm."""
+        mean, _ = self.of(name)
+        return math.exp(min(mean, 500.0)) if positive else mean
+
+    def without(self, *names: str) -> "GaussianEstimate":
+        """Return the estimate of the others."""
+        places = [place for place, other in enumerate(self.names) if other not in names]
+        left = tuple(self.names[place] for place in places)
+        slopes = None if self.slopes is None else self.slopes[places]
+        return GaussianEstimate(left, self.mean[places], self.covariance[np.ix_(places, places)], slopes)
 
 
 EMPTY = GaussianEstimate()
@@ -73,7 +95,11 @@ def prior_information(
 
 
 def updated(
-    known: GaussianEstimate, names: tuple[str, ...], mean: Floats, covariance: Floats
+    known: GaussianEstimate,
+    names: tuple[str, ...],
+    mean: Floats,
+    covariance: Floats,
+    slopes: Floats | None = None,
 ) -> GaussianEstimate:
     """Return the estimate after a fit whose prior was `prior_information`.
 
@@ -82,7 +108,9 @@ def updated(
         names: of the fit.
         mean: that it found.
         covariance: of it.
+        slopes: of it, by told number (names, told).
     """
+    count = 0 if slopes is None else slopes.shape[1]
     new = tuple(name for name in names if name not in known.names)
     size, old = len(known.names) + len(new), len(known.names)
     m, s = np.zeros(size), np.zeros((size, size))
@@ -91,18 +119,23 @@ def updated(
     shared = [every.index(name) for name in names if name in known.names]
     found = [every.index(name) for name in names]
     rest = [place for place in range(old) if place not in shared]
+    told = known.moves(every, count)
     if shared and rest:
         pairs = [names.index(every[place]) for place in shared]
         before = s[np.ix_(shared, shared)]
         gain = s[np.ix_(rest, shared)] @ inverse(before)
         m[rest] += gain @ (mean[pairs] - m[shared])
+        if slopes is not None:
+            told[rest] += gain @ (slopes[pairs] - told[shared])
         s[np.ix_(rest, rest)] += gain @ (covariance[np.ix_(pairs, pairs)] - before) @ gain.T
         cross = gain @ covariance[np.ix_(pairs, range(len(names)))]
         s[np.ix_(rest, found)] = cross
         s[np.ix_(found, rest)] = cross.T
     m[found] = mean
     s[np.ix_(found, found)] = covariance
-    return GaussianEstimate(every, m, 0.5 * (s + s.T))
+    if slopes is not None:
+        told[found] = slopes
+    return GaussianEstimate(every, m, 0.5 * (s + s.T), None if slopes is None else told)
 
 
 def covariance_of(information: Floats) -> Floats:

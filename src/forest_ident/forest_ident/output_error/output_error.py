@@ -26,6 +26,7 @@ those are where this starts.
 
 import math
 from collections.abc import Callable, Mapping, Sequence
+from types import MappingProxyType
 
 import numpy as np
 
@@ -45,7 +46,7 @@ ITERATIONS = 20
 DAMPING = 1e-6  # at the start: so small that correlated parameters may move together
 TRIES = 8  # of one step, each with more damping
 CONVERGED = 0.1  # of the standard errors, that the last step moved
-STALE = 300.0  # differences (3 %) from where derivatives were taken, to take them again
+STALE = 3e5  # differences (3 %) from where derivatives were taken, to take them again
 SLOW = 0.3  # of the last step; after a longer step derivatives are taken again, too
 
 Model = Callable[[Mapping[str, float]], Columns]
@@ -60,6 +61,7 @@ def fit(
     block: int = BLOCK,
     prior: GaussianEstimate = EMPTY,
     redrawn: Sequence[Model] = (),
+    told: Sequence[Mapping[str, float]] = (),
 ) -> Fit:
     """Return the parameters that explain the measured columns best.
 
@@ -72,9 +74,10 @@ def fit(
         block: rows within which residuals may be correlated.
         prior: what earlier fits found, of parameters and of the sensors' static errors.
         redrawn: the model again, each time with the noise of its inputs drawn once more.
+        told: parameters that are not estimated, each moved by `EPSILON` of its standard deviation, by key.
     """
     problem = Problem(measured=measured, channels=channels, unknowns=unknowns, block=block, prior=prior)
-    return _Search(model, problem, unknowns, channels, progress).fit(prior, redrawn)
+    return _Search(model, problem, unknowns, channels, progress).fit(prior, redrawn, told)
 
 
 def damped_step(
@@ -107,7 +110,9 @@ class _Search:
         self._model, self._problem, self._progress = model, problem, progress
         self._unknowns, self._channels = unknowns, channels
 
-    def fit(self, prior: GaussianEstimate, redrawn: Sequence[Model]) -> Fit:
+    def fit(
+        self, prior: GaussianEstimate, redrawn: Sequence[Model], told: Sequence[Mapping[str, float]]
+    ) -> Fit:
         """Return the end of the search; arguments as `fit`."""
         problem, theta, damping, last = self._problem, self._problem.mean.copy(), DAMPING, math.inf
         predicted = self._simulate(self._model, theta)
@@ -127,6 +132,9 @@ class _Search:
         inputs = [self._simulate(model, theta) for model in redrawn]
         covariance = problem.covariance(theta, predicted, jacobian, inputs)
         values = problem.values(theta)
+        shifted = [self._simulate(self._model, theta, number) if number else predicted for number in told]
+        before = prior.moves(problem.names, len(told))
+        slopes, told_noise = problem.told_effect(theta, predicted, jacobian, shifted, before)
         sds = np.sqrt(np.maximum(np.diag(covariance), 0.0))[: problem.count].tolist()
         pairs = zip(self._unknowns, sds, strict=True)
         information = problem.normal(theta, predicted, jacobian)[0] + problem.known
@@ -134,10 +142,11 @@ class _Search:
             values=values,
             errors={u.key: sd * values[u.key] if u.positive else sd for u, sd in pairs},
             condition=condition_number(information[: problem.count, : problem.count]),
-            posterior=updated(prior, problem.names, theta, covariance),
+            posterior=updated(prior, problem.names, theta, covariance, slopes),
             residuals=problem.residuals(theta, predicted),
             noise=dict(problem.sigma),
             iterations=iterations,
+            told_noise=told_noise,
         )
 
     def _distance(self, theta: Floats, taken: Floats) -> float:
@@ -145,8 +154,10 @@ class _Search:
         moves = np.abs(theta - taken)[: len(self._unknowns)]
         return max((m / u.difference for m, u in zip(moves, self._unknowns, strict=True)), default=0.0)
 
-    def _simulate(self, model: Model, theta: Floats) -> dict[str, Floats]:
-        columns = model(self._problem.values(theta))
+    def _simulate(
+        self, model: Model, theta: Floats, told: Mapping[str, float] = MappingProxyType({})
+    ) -> dict[str, Floats]:
+        columns = model({**self._problem.values(theta), **told})
         self._progress()
         return {c.name: np.asarray(columns[c.name], dtype=np.float64) for c in self._channels}
 

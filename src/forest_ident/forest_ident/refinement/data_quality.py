@@ -5,16 +5,19 @@ A remark where a fit is still of use; a `SessionError` that names the record whe
 
 import contextlib
 import dataclasses
-from collections.abc import Iterator
+import math
+from collections.abc import Iterator, Mapping, Sequence
 
 import numpy as np
 
 from forest_description.machine import Machine
 from forest_ident.experiments import test_rig
 from forest_ident.measurements.session import Session, SessionError
-from forest_ident.output_error import noise_model
+from forest_ident.output_error import noise_model, residual_test
 from forest_ident.output_error.fit_problem import Fit
+from forest_ident.output_error.residual_test import ResidualTest
 
+AGREE = 4  # records of which one alone may be a stranger
 FAR = 5.0  # times a sensor's noise: greater residuals are errors of the model
 
 
@@ -23,28 +26,54 @@ def cut_off(session: Session) -> str:
     return f"{session.name}: the bag was cut off, what is whole of it ({session.time[-1]:.1f} s) was used"
 
 
-def not_explained(start: Machine, session: Session, fit: Fit) -> list[str]:
-    """Return a remark if residuals are far above the noise of a sensor, naming the worst.
+def residual_tests(start: Machine, session: Session, fit: Fit) -> list[ResidualTest]:
+    """Return what is left of each channel, at its sensor's rate, against noise and what was told.
 
     Args:
         start: whose file has the sensors' noise; those it lacks are a bench's.
         session: that was fitted.
         fit: of it.
     """
-    if session.is_exact:
-        return []
     sensed = dataclasses.replace(start, sensors=test_rig.meters(start))
-    known = (name for name in fit.noise if getattr(sensed.sensors, noise_model.KIND[name].name) is not None)
-    times = {name: fit.noise[name] / noise_model.channel(sensed, session, name).noise for name in known}
-    worst = max(times, key=times.__getitem__, default="")
-    if not worst or times[worst] < FAR:
+    found = []
+    for name, noise in fit.noise.items():
+        known = not session.is_exact and getattr(sensed.sensors, noise_model.KIND[name].name) is not None
+        own = noise_model.channel(sensed, session, name).noise if known else noise
+        own = math.hypot(own, fit.told_noise[name])  # wrong told numbers may have left as much
+        residual = fit.residuals[name]
+        lags = residual_test.autocorrelation(residual)
+        first = None if lags is None else float(lags[0])
+        found.append(ResidualTest(name, noise, noise / own, int(np.isfinite(residual).sum()), first))
+    return found
+
+
+def is_explained(tests: Sequence[ResidualTest]) -> bool:
+    """Tell whether no channel's residuals are far above the noise of its sensor."""
+    return all(test.times < FAR for test in tests)
+
+
+def not_explained(session: Session, tests: Sequence[ResidualTest]) -> list[str]:
+    """Return a remark if residuals are far above the noise of a sensor, naming the worst."""
+    if is_explained(tests):
         return []
-    left = f"{fit.noise[worst]:.2g} {noise_model.KIND[worst].unit} are left at {worst}"
+    worst = max(tests, key=lambda test: test.times)
+    left = f"{worst.noise:.2g} {noise_model.KIND[worst.channel].unit} are left at {worst.channel}"
     remark = (
-        f"{session.name}: the model does not explain this record: {left}, {times[worst]:.0f} times the "
-        "sensor's noise; intervals mean little then: is it another machine's, or was its computer late?"
+        f"{session.name}: the model does not explain this record: {left}, {worst.times:.0f} times the "
+        "sensor's noise; intervals mean little then, and are withheld: is it another machine's, or was its "
+        "computer late?"
     )
     return [remark]
+
+
+def stranger(tests_by_record: Mapping[str, Sequence[ResidualTest]]) -> str:
+    """Return the only record that is not explained, where the others agree with each other; else "".
+
+    A machine that obeys other laws shows in several records. One alone is of another machine, or of another
+    experiment than it says.
+    """
+    odd = [name for name, tests in tests_by_record.items() if not is_explained(tests)]
+    return odd[0] if len(odd) == 1 and len(tests_by_record) >= AGREE else ""
 
 
 @contextlib.contextmanager

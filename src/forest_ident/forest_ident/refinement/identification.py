@@ -5,13 +5,20 @@ by experiment with one Gaussian estimate. Sessions named "validation" or "motion
 """
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from types import MappingProxyType
 
 import numpy as np
 
 from forest_description.machine import Machine
 from forest_ident.estimators import calibration
-from forest_ident.estimators.parameter_estimate import Estimate, excitation_for, is_loose, unit_of
+from forest_ident.estimators.parameter_estimate import (
+    Estimate,
+    excitation_for,
+    is_loose,
+    is_positive,
+    unit_of,
+)
 from forest_ident.experiments import experiment_plan
 from forest_ident.measurements.parameter_path import (
     part_of,
@@ -21,12 +28,20 @@ from forest_ident.measurements.parameter_path import (
     with_part,
     with_values,
 )
-from forest_ident.measurements.session import Session
+from forest_ident.measurements.session import Session, SessionError
 from forest_ident.output_error import noise_model
 from forest_ident.output_error.fit_problem import Fit
 from forest_ident.output_error.gaussian_estimate import EMPTY, GaussianEstimate
-from forest_ident.refinement import data_quality, linear_estimates, mass_check, pooling, refinement
-from forest_ident.refinement.refinement_task import task
+from forest_ident.refinement import (
+    data_quality,
+    experiment_check,
+    linear_estimates,
+    pooling,
+    possible_numbers,
+    refinement,
+    told_numbers,
+)
+from forest_ident.refinement.refinement_task import simulations, task
 from forest_ident.refinement.result import Refined, Result
 
 HELD_OUT = ("validation", "motion")
@@ -34,7 +49,6 @@ OWN_VALVE = (
     4.0,
     0.01,
 )  # standard errors and volts by which an axis' valve must differ to get its own section
-SIMULATIONS = 70.0  # that a refinement takes, about, for the progress
 
 
 Progress = Callable[[str, float], None]
@@ -45,6 +59,7 @@ def identify(
     sessions: Sequence[Session],
     progress: Progress = lambda _text, _share: None,
     refine: bool = True,
+    stated: Mapping[str, float] = MappingProxyType({}),
 ) -> Result:
     """Return the machine that the sessions identify.
 
@@ -53,6 +68,7 @@ def identify(
         sessions: in any order.
         progress: called with what is being done and the share that is done.
         refine: whether the simulator refines the linear estimates.
+        stated: half-widths [SI] of the 95 % intervals that the start's file states, by dotted key.
 
     Raises:
         SessionError: a session does not hold its experiment.
@@ -65,24 +81,52 @@ def identify(
     _calibrate(result, used)
     result.remarks += [data_quality.cut_off(session) for session in used if not session.whole]
     for session in used:
+        experiment_check.demand(start, session)
+    for session in used:
         progress(f"{session.name}: linear estimates", 0.0)
         with data_quality.evaluated(session):
             _estimate_linearly(result, session)
-    known = _of_offsets([*_offsets_of_file(start, used), *result.calibration])
+    result.told = told_numbers.errors(start, stated)
+    result.known = _of_offsets([*_offsets_of_file(start, used), *result.calibration])
     work = [s for s in used if refine and task(result.machine, s) is not None]
+    # A simulation takes as long as its record is; how many there will be, the numbers of unknowns tell.
+    expected = [simulations(result.machine, s) for s in work]
+    costs = np.array([len(s.time) * count for s, count in zip(work, expected, strict=True)])
     for place, session in enumerate(work):
         count = [0]
 
         def simulated(session: Session = session, place: int = place, count: list[int] = count) -> None:
             count[0] += 1
-            share = (place + min(count[0] / SIMULATIONS, 1.0)) / len(work)
+            of_this = costs[place] * min(count[0] / expected[place], 1.0)
+            share = float((np.sum(costs[:place]) + of_this) / np.sum(costs))
             progress(f"{session.name}: refinement, simulation {count[0]}", share)
 
-        with data_quality.evaluated(session):
-            known = _refine(result, session, known, simulated)
+        try:
+            with data_quality.evaluated(session):
+                _refine(result, session, simulated)
+        except SessionError as error:  # what the other records told is not lost by this one
+            result.remarks.append(f"{error}; its linear estimates stay")
+            wanted = task(result.machine, session)
+            result.failed[session.name] = wanted.free if wanted else ()
     progress("done", 1.0)
+    _refuse_stranger(result)
     _conclude(result)
     return result
+
+
+def _refuse_stranger(result: Result) -> None:
+    """Refuse the one record that contradicts all others.
+
+    Raises:
+        SessionError: there is one.
+    """
+    name = data_quality.stranger({r.session.name: r.tests for r in result.refined})
+    if name:
+        said = next(remark for remark in result.remarks if remark.startswith(f"{name}: the model"))
+        raise SessionError(
+            f"{said} The other records agree with each other: leave this one out, or check whose it is and "
+            "which experiment"
+        )
 
 
 def _prepared(start: Machine, sessions: Sequence[Session]) -> Machine:
@@ -136,9 +180,6 @@ def _offsets_of_file(start: Machine, sessions: Sequence[Session]) -> list[calibr
 
 def _estimate_linearly(result: Result, session: Session) -> None:
     """Add a session's linear estimates, and set the machine to those that are identified."""
-    if session.name == "gravity":
-        mass_check.check_masses(result, session)
-        return
     corrected = calibration.corrected(session, result.machine)
     found = linear_estimates.estimates(result.machine, corrected)
     result.linear += found
@@ -147,21 +188,22 @@ def _estimate_linearly(result: Result, session: Session) -> None:
 
 
 def _is_loose(e: Estimate) -> bool:
-    return is_loose(e.value, e.standard_error, not e.key.endswith("deadband_voltage"))
+    return is_loose(e.value, e.standard_error, is_positive(e.key))
 
 
-def _refine(
-    result: Result, session: Session, known: GaussianEstimate, progress: Callable[[], None]
-) -> GaussianEstimate:
-    """Refine by one session; return the Gaussian estimate after it."""
-    done = refinement.refine(result.machine, session, known, progress)
+def _refine(result: Result, session: Session, progress: Callable[[], None]) -> None:
+    """Refine the result by one session."""
+    known = result.known
+    done = refinement.refine(result.machine, session, known, progress, result.told)
     if done is None:
-        return known
+        return
     work, fit = done
-    result.refined.append(Refined(session, fit, work.free))
-    result.remarks += data_quality.not_explained(result.start, session, fit)
+    tests = data_quality.residual_tests(result.start, session, fit)
+    explained = data_quality.is_explained(tests)
+    result.refined.append(Refined(session, fit, work.free, tests))
+    result.remarks += data_quality.not_explained(session, tests)
     if session.kind == "deadband" and not _takes_own_valve(result, session.own_axis, known, fit):
-        return known
+        return
     for key in work.free:
         result.estimates[key] = Estimate(
             key=key,
@@ -170,10 +212,12 @@ def _refine(
             unit=unit_of(key),
             condition=fit.condition,
             method="output error",
-            positive=not key.endswith("deadband_voltage"),
+            positive=is_positive(key),
+            withheld=not explained,
         )
-    _update(result, fit.posterior)
-    return fit.posterior
+    # A record that the model does not explain must not move what others told.
+    result.known = fit.posterior if explained else known.without(*work.free)
+    _update(result)
 
 
 def _takes_own_valve(result: Result, axis: str, known: GaussianEstimate, fit: Fit) -> bool:
@@ -203,18 +247,16 @@ def _takes_own_valve(result: Result, axis: str, known: GaussianEstimate, fit: Fi
     return True
 
 
-def _update(result: Result, known: GaussianEstimate) -> None:
+def _update(result: Result) -> None:
     """Set machine and estimates to the Gaussian estimate."""
-    values = {}
-    for key, estimate in result.estimates.items():
+    known, values = result.known, {}
+    for key, e in result.estimates.items():
+        values[key] = known.value(key, e.positive) if key in known.names else e.value
         if key in known.names:
-            value, error = known.of(key)
-            if estimate.positive:  # by its logarithm
-                value = math.exp(value)
-                error = error * value
-            values[key] = value
-            result.estimates[key] = estimate._replace(value=value, standard_error=error).checked()
-    result.machine = with_values(result.machine, values)
+            error = known.of(key)[1] * (values[key] if e.positive else 1.0)  # by its logarithm
+            found = e._replace(value=values[key], standard_error=error)
+            result.estimates[key] = told_numbers.with_told(found, known, list(result.told)).checked()
+    result.machine = possible_numbers.applied(result, values)
 
 
 def _conclude(result: Result) -> None:

@@ -9,6 +9,7 @@ from forest_description.machine import Machine
 from forest_description.types import AXES
 from forest_ident.estimators import (
     damping,
+    gravity,
     hose_estimators,
     motor_leakage,
     valve_characteristic,
@@ -19,8 +20,11 @@ from forest_ident.experiments import test_rig
 from forest_ident.measurements import sample_mask
 from forest_ident.measurements.parameter_path import hose_section, value_of, valve_at, with_part
 from forest_ident.measurements.session import Session, SessionError
+from forest_ident.refinement.refinement_task import MASSES
 
 ENOUGH = 4  # steady openings each way, steady flows: fewer do not make a line
+OTHER_LAW = 2.0  # times the residuals of the other law of a hose's resistance
+POSES = 3  # at rest, that tell two masses
 LONG = 20.0  # [s]: of creep, or of oil in the drain
 MOVED = 0.05  # [rad]
 
@@ -80,7 +84,22 @@ def estimates(machine: Machine, session: Session) -> list[Estimate]:
         _require(session, moved > MOVED, f"a motion over {moved:.3f} rad", f"more than {MOVED} rad")
         fit = damping.damping(machine, session, AXES.index(session.own_axis))
         return [_estimate(f"{session.own_axis}.damping", *fit.first, fit.condition, "least squares (4.11)")]
-    return []
+    return _masses(machine, session) if session.name == "gravity" else []
+
+
+def _masses(machine: Machine, session: Session) -> list[Estimate]:
+    """Return head and boom from forces at rest; the stick is taken as told, for it pulls as the head does."""
+    names = [key.rpartition(".")[2] for key in MASSES if value_of(machine, key) > 0.0]
+    count = len(gravity.poses(machine, session)[0])
+    _require(session, count >= POSES, f"{count} poses at rest", f"{POSES} or more")
+    if machine.manipulator.log is not None:  # which pulls as the head does, too
+        return []
+    fit = gravity.masses(machine, session, tuple(names))
+    pairs = zip(names, fit.values.tolist(), fit.errors.tolist(), strict=True)
+    return [
+        _estimate(f"manipulator.{name}", value, error, fit.condition, "forces at rest")
+        for name, value, error in pairs
+    ]
 
 
 def _require(session: Session, there: bool, holds: str, allowed: str) -> None:
@@ -137,13 +156,20 @@ def _hose(machine: Machine, session: Session) -> list[Estimate]:
     flow, drop = hose_estimators.steady(session, low, high)
     _require(session, len(flow) >= ENOUGH, f"{len(flow)} steady flows", f"{ENOUGH} or more")
     fit = hose_estimators.resistance(flow, drop, laminar)
+    other = hose_estimators.resistance(flow, drop, not laminar)
+    fits = float(np.linalg.norm(fit.residuals)) < OTHER_LAW * float(np.linalg.norm(other.residuals))
+    laws = "the flow", "its square"
+    holds = (
+        f"a drop that goes with {laws[laminar]}, as the {'turbulent' if laminar else 'laminar'} hose's does"
+    )
+    _require(session, fits, holds, f"one that goes with {laws[not laminar]}")
     key = f"{section}.{'laminar' if laminar else 'turbulent'}_resistance"
     found = [_estimate(key, *fit.first, fit.condition, "least squares (4.4)")]
     read, value = meter(machine, session), fit.first[0]
     lag = read.time_constant if read else 0.0
-    fits = hose_estimators.joint(session, value, laminar, lag, low, high)
+    joint = hose_estimators.joint(session, value, laminar, lag, low, high)
     groups = hose_estimators.four_group_means(session, value, laminar)
-    for name, fit, means in zip(("inertance", "capacitance"), fits, groups, strict=True):
+    for name, fit, means in zip(("inertance", "capacitance"), joint, groups, strict=True):
         key, error = f"{section}.{name}", float(np.std(means, ddof=1) / math.sqrt(len(means)))
         mean, method = float(np.mean(means)), "four-group means (4.3.4.4)"
         found.append(_estimate(key, mean, error, math.nan, method, initial=False))

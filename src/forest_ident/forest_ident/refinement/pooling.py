@@ -7,7 +7,8 @@ import numpy as np
 from forest_description.machine import Machine
 from forest_ident.estimators.parameter_estimate import Estimate
 from forest_ident.measurements.parameter_path import SECTIONS, part_of, with_part, with_values
-from forest_ident.refinement.result import VALVE, Result
+from forest_ident.refinement.refinement_task import VALVE
+from forest_ident.refinement.result import Result
 
 
 def pooled(result: Result) -> Machine:

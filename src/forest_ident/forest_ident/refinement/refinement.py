@@ -8,24 +8,28 @@ within the bench's interval. `refinement_task` names the parameters and channels
 import dataclasses
 import math
 from collections.abc import Callable, Mapping
+from types import MappingProxyType
 
 import numpy as np
 
 from forest_description.machine import Machine
 from forest_description.types import AXES, Floats
 from forest_ident.estimators import calibration
+from forest_ident.estimators.parameter_estimate import is_positive
 from forest_ident.experiments import experiment_plan, test_rig
 from forest_ident.measurements import sample_mask
 from forest_ident.measurements.parameter_path import value_of, with_directions, with_part, with_values
 from forest_ident.measurements.session import Session
 from forest_ident.output_error import noise_model
-from forest_ident.output_error.fit_problem import Fit, Unknown
+from forest_ident.output_error.fit_problem import EPSILON, Fit, Unknown
 from forest_ident.output_error.gaussian_estimate import GaussianEstimate, widened
 from forest_ident.output_error.output_error import Model, fit
 from forest_ident.output_error.prediction import Offsets, predict, redrawn
-from forest_ident.refinement.refinement_task import NO_PARAMETERS, START, Task, task
+from forest_ident.refinement import extension_keys
+from forest_ident.refinement.refinement_task import INERTIAS, START, Task, is_parameter, task, told
 
 UNKNOWN = 0.4  # prior standard deviation of what no experiment has estimated yet: relative, or volts
+DIFFERENCE = 1e-4  # for derivatives, relative
 SETTLED = 0.25  # [s] after a change of voltage
 START_NOISE = 1e4  # [Pa] by which pressures drift while the mean of the start is taken
 ANGLES = tuple(f"{axis}.angle" for axis in AXES)
@@ -36,6 +40,7 @@ def refine(
     session: Session,
     known: GaussianEstimate,
     progress: Callable[[], None] = lambda: None,
+    errors: Mapping[str, float] = MappingProxyType({}),
 ) -> tuple[Task, Fit] | None:
     """Return what a session makes of its parameters, through the simulator; None if it finds none.
 
@@ -44,6 +49,8 @@ def refine(
         session: the record.
         known: what earlier experiments found.
         progress: called after every simulation.
+        errors: standard deviation of every told number, by key; those that a record does not feel do not
+            move it.
     """
     work = task(machine, session)
     if work is None:
@@ -67,6 +74,11 @@ def refine(
     def driven_by(inputs: Session) -> Model:
         return lambda values: _predicted(machine, inputs, values)
 
+    felt = told(machine, session)
+    moved = [
+        {key: told_value(machine, key) + EPSILON * error} if key in felt else {}
+        for key, error in errors.items()
+    ]
     again = () if session.on_rig else [driven_by(one) for one in redrawn(machine, corrected)]
     return work, fit(
         driven_by(corrected),
@@ -76,6 +88,7 @@ def refine(
         progress,
         prior=widened(known, noise),
         redrawn=again,
+        told=moved,
     )
 
 
@@ -83,10 +96,12 @@ def _unknowns(machine: Machine, session: Session, work: Task) -> list[Unknown]:
     """Return parameters and nuisances with their priors; exact sensors have no static errors."""
     found = []
     for key in (*work.free, *work.carried):
-        positive = not key.endswith("deadband_voltage")
+        positive = is_positive(key)
         # An overlap that a curve in volts hides stays near its start, or it would leave the curve behind.
-        spread = math.inf if key in work.free and positive else UNKNOWN
-        found.append(Unknown(key, value_of(machine, key), spread, positive))
+        told = key in work.free and positive and not extension_keys.is_extension(key)
+        spread = math.inf if told else UNKNOWN
+        difference = extension_keys.COARSE.get(key.rpartition(".")[2], DIFFERENCE)
+        found.append(Unknown(key, value_of(machine, key), spread, positive, difference))
     if "rig.load" in work.nuisances:
         found.append(Unknown(f"rig.load.{session.name}", _load(session), math.inf))
     for name in () if session.is_exact else work.nuisances:
@@ -141,10 +156,27 @@ def prepared(machine: Machine, session: Session) -> Machine:
     return with_part(machine, "manipulator.platform_tilt", tilt)
 
 
+def told_value(machine: Machine, key: str) -> float:
+    """Return what is told of a number: the machine's, 1 of a factor."""
+    return 1.0 if key in INERTIAS else value_of(machine, key)
+
+
+def with_inertias(machine: Machine, factors: Mapping[str, float]) -> Machine:
+    """Return the machine with the moments of inertia of boom and stick times a factor each."""
+    links = machine.manipulator
+    moments = {
+        name: getattr(links, name) * factor
+        for link, factor in factors.items()
+        for name in (f"{link}_{moment}" for moment in ("xx", "yy", "zz", "xy"))
+    }
+    return with_part(machine, "manipulator", dataclasses.replace(links, **moments)) if moments else machine
+
+
 def _predicted(machine: Machine, session: Session, values: Mapping[str, float]) -> Mapping[str, Floats]:
     """Return what the machine with these values would have read."""
-    own = {key: value for key, value in values.items() if not key.startswith(NO_PARAMETERS)}
-    model = prepared(with_values(machine, own), session)
+    own = {key: value for key, value in values.items() if is_parameter(key)}
+    factors = {name.partition(".")[0]: values[name] for name in INERTIAS if name in values}
+    model = prepared(with_inertias(with_values(machine, own), factors), session)
     load = values.get(f"rig.load.{session.name}")
     if load is not None:
         model = with_values(model, {test_rig.LOAD_KEY: load * test_rig.DISPLACEMENT**2})

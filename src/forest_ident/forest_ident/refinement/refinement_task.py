@@ -9,6 +9,7 @@ Names of unknowns that are no parameters of the machine:
 | oil.offset | static error of the thermocouples' mean |
 | tilt | error of the inclinometer on the tilted platform |
 | start.CHANNEL.RECORD | pressure at the start of a crane's record, true minus read |
+| boom.inertia, stick.inertia | factor on a link's moments of inertia |
 """
 
 from typing import NamedTuple
@@ -16,17 +17,46 @@ from typing import NamedTuple
 from forest_description.machine import Machine
 from forest_description.types import AXES
 from forest_ident.experiments import experiment_plan
-from forest_ident.measurements.parameter_path import hose_section, valve_at, valve_section
+from forest_ident.measurements.parameter_path import hose_section, part_of, valve_at, valve_section
 from forest_ident.measurements.session import Session
+from forest_ident.refinement import extension_keys
 
 START = "start."
+OF_DERIVATIVES, STEPS = 1.4, 8.0  # times that derivatives are taken; steps of a search: as they were counted
+VALVE = ("deadband_voltage", "minimum_resistance")
 LEAKAGE = ("swing.internal_leakage_resistance", "swing.external_leakage_resistance")
 OFFSETS = ("boom.angle", "stick.angle", "oil.offset")
-NO_PARAMETERS = (START, "rig.load", "swing.angle", *OFFSETS, "tilt")
+INERTIAS = ("boom.inertia", "stick.inertia")
+NUISANCES = ("swing.angle", *OFFSETS, "tilt", *INERTIAS)
+MASSES = ("manipulator.head_mass", "manipulator.boom_mass")
+_LINKS = tuple(
+    f"manipulator.{name}"
+    for name in ("stick_mass", "stick_x", "stick_y", "boom_x", "boom_y", "boom_length", "stick_length")
+)
+_DRIVE = ("head_area", "rod_area", "pivot_to_base", "pivot_to_rod", "angle_offset")
+TOLD = {
+    "swing": (*_LINKS, "manipulator.base_offset", "swing.motor_displacement"),
+    **{axis: (*_LINKS, *(f"{axis}.{name}" for name in _DRIVE)) for axis in AXES[1:]},
+}
+"""Numbers of an axis that a person tells, and that its motion feels."""
+BOTH = tuple(dict.fromkeys((*TOLD["boom"], *TOLD["stick"])))
 VALVE_PORTS = ("swing_pressure_1_valve", "swing_pressure_2_valve")
 FLOWS = ("swing_flow", "stick_flow", "supply_pressure")
 VALVE_RIG = (*VALVE_PORTS, *FLOWS, "swing_spool")
 HOSE_RIG = (*VALVE_PORTS, "swing_pressure_1_actuator", *FLOWS)
+
+
+def is_parameter(name: str) -> bool:
+    """Tell whether an unknown is a number of the machine."""
+    return name not in NUISANCES and not name.startswith((START, "rig.load"))
+
+
+def told(machine: Machine, session: Session) -> tuple[str, ...]:
+    """Return the told numbers that a record of the crane feels."""
+    if not session.on_crane:
+        return ()
+    axis = AXES[_axis(machine, session)]
+    return (*(BOTH if session.name == "gravity" else TOLD[axis]), *INERTIAS)
 
 
 class Task(NamedTuple):
@@ -44,9 +74,7 @@ def task(machine: Machine, session: Session) -> Task | None:
     name, drive = AXES[axis], machine.drives[axis]
     valve, hose = valve_section(machine, axis), hose_section(machine, axis)
     pump = tuple(f"pump.{key}" for key in machine.pump.identifiable)
-    ways = [
-        (f"{part}.deadband_voltage", f"{part}.minimum_resistance") for part in (valve, f"{valve}.backward")
-    ]
+    ways = [tuple(f"{part}.{key}" for key in VALVE) for part in (valve, f"{valve}.backward")]
     spool = _spool_keys(machine, valve)
     law = (*ways[0], *ways[1], f"{valve}.port_2_area", *spool)
     laminar = session.metadata.get("laminar", 0.0) > 0.0
@@ -62,14 +90,15 @@ def task(machine: Machine, session: Session) -> Task | None:
         "valve": Task((*law, *pump), line, VALVE_RIG, ("rig.load",)),
         "spool": Task(spool, (), ("swing_spool",), ()),
         "hose": Task(line, (*law, *pump), HOSE_RIG, ("rig.load",)),
+        "gravity": _gravity(machine, pump),
         "motor_external": Task(
             free=LEAKAGE[1:],
-            carried=("swing.damping", LEAKAGE[0], *law, *line, *pump),
+            carried=("swing.damping", LEAKAGE[0], *law, *line, *pump, *MASSES),
             channels=(*supplied, "case_drain"),
         ),
         "motor_internal": Task(
             free=LEAKAGE,
-            carried=("swing.damping", *line),
+            carried=("swing.damping", *line, *MASSES),
             channels=drained,
             nuisances=(*OFFSETS, "tilt", "swing.angle"),
         ),
@@ -77,13 +106,54 @@ def task(machine: Machine, session: Session) -> Task | None:
             free=(f"{own}.deadband_voltage", f"{back}.deadband_voltage"),
             carried=(
                 *(f"{own}.minimum_resistance", f"{back}.minimum_resistance", f"{own}.port_2_area"),
-                *(f"{name}.damping", *leakage, *pump),
+                *(f"{name}.damping", *leakage, *pump, *MASSES),
             ),
             channels=supplied,
         ),
-        "damping": Task((f"{name}.damping",), (*law, *line, *leakage, *pump), supplied),
+        "damping": Task((f"{name}.damping",), (*law, *line, *leakage, *pump, *MASSES), supplied),
     }
-    return tasks.get(session.name, tasks.get(session.kind))
+    found = tasks.get(session.name, tasks.get(session.kind))
+    if found is None:
+        return None
+    more = extension_keys.told_by(machine, session.kind, name, valve)
+    return _of_machine(machine, found._replace(free=(*found.free, *more)))
+
+
+def simulations(machine: Machine, session: Session) -> float:
+    """Return how many simulations the refinement of a session takes, about."""
+    work = task(machine, session)
+    if work is None:
+        return 0.0
+    starts = len(work.channels) if session.on_crane else 0  # pressures at the start are unknown, too
+    derivatives = len(work.free) + len(work.carried) + len(work.nuisances) + starts
+    return OF_DERIVATIVES * derivatives + len(told(machine, session)) + STEPS
+
+
+def _gravity(machine: Machine, pump: tuple[str, ...]) -> Task:
+    """Return the refinement of motion and rests of boom and stick: the masses."""
+    carried, channels = [*pump], ["supply_pressure"]
+    for axis, name in enumerate(AXES[1:], start=1):
+        section, hose = valve_section(machine, axis), hose_section(machine, axis)
+        regime = machine.drives[axis].flow_regime
+        carried += [f"{way}.{key}" for way in (section, f"{section}.backward") for key in VALVE]
+        carried += [f"{section}.port_2_area", *_spool_keys(machine, section), f"{name}.damping"]
+        carried += [f"{hose}.{part}" for part in (f"{regime}_resistance", "inertance", "capacitance")]
+        channels += [f"{name}_resolver", f"{name}_transducer"]
+        channels += [f"{name}_pressure_{port}_actuator" for port in (1, 2)]
+    return Task(MASSES, tuple(dict.fromkeys(carried)), tuple(channels))
+
+
+def _of_machine(machine: Machine, found: Task) -> Task:
+    """Return a task without the masses that the machine does not have."""
+
+    def there(key: str) -> bool:
+        value = part_of(machine, key)
+        return isinstance(value, float) and value > 0.0
+
+    free, carried = (
+        tuple(key for key in keys if key not in MASSES or there(key)) for keys in (found.free, found.carried)
+    )
+    return found._replace(free=free, carried=carried)
 
 
 def _axis(machine: Machine, session: Session) -> int:

@@ -11,9 +11,10 @@ from forest_ident.estimators.parameter_estimate import Estimate, excitation_for
 from forest_ident.measurements.parameter_path import hose_section, part_of, valve_section
 from forest_ident.measurements.session import Session
 from forest_ident.output_error.fit_problem import Fit
-from forest_ident.refinement.refinement_task import LEAKAGE
+from forest_ident.output_error.gaussian_estimate import EMPTY, GaussianEstimate
+from forest_ident.output_error.residual_test import ResidualTest
+from forest_ident.refinement.refinement_task import LEAKAGE, VALVE
 
-VALVE = ("deadband_voltage", "minimum_resistance")
 MASSES = tuple(f"manipulator.{name}" for name in ("head_mass", "boom_mass", "stick_mass", "base_zz"))
 
 
@@ -23,6 +24,7 @@ class Refined(NamedTuple):
     session: Session
     fit: Fit
     free: tuple[str, ...]
+    tests: list[ResidualTest]
 
 
 @dataclass
@@ -37,6 +39,14 @@ class Result:
     calibration: list[Offset] = field(default_factory=list)
     held_out: list[Session] = field(default_factory=list)
     remarks: list[str] = field(default_factory=list)
+    failed: dict[str, tuple[str, ...]] = field(default_factory=dict)
+    """Records whose refinement failed, with what it was to find."""
+    impossible: list[str] = field(default_factory=list)
+    """Keys whose estimates no machine file may hold."""
+    known: GaussianEstimate = EMPTY
+    """Mean and covariance of all, as if all told numbers were right, and how these would move it."""
+    told: dict[str, float] = field(default_factory=dict)
+    """Standard deviation of each told number."""
 
 
 def table(result: Result) -> list[tuple[Estimate, float | None]]:

@@ -8,6 +8,7 @@ from typing import Any
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
 
 from forest_ident.estimators.parameter_estimate import NORMAL_95
+from forest_ident.validation.prediction_error import limit
 
 ENVIRONMENT = Environment(
     loader=FileSystemLoader(Path(__file__).parent / "templates"),
@@ -16,6 +17,7 @@ ENVIRONMENT = Environment(
     undefined=StrictUndefined,
 )
 ENVIRONMENT.globals["normal_95"] = NORMAL_95
+ENVIRONMENT.globals["limit"] = limit
 
 
 def render(template: str, **content: Any) -> str:
@@ -30,7 +32,7 @@ def write(file: Path, template: str, **content: Any) -> Path:
         OSError: it cannot be written.
     """
     text = render(template, **content)
-    file.parent.mkdir(parents=True)
+    file.parent.mkdir(parents=True, exist_ok=True)
     file.write_text(text, encoding="utf-8")
     return file
 

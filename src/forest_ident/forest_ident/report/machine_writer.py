@@ -4,48 +4,64 @@ import dataclasses
 import json
 import math
 import os
+from collections.abc import Mapping
 from pathlib import Path
+from types import MappingProxyType
 from typing import Any
 
 from forest_description.components.hose import GeometricHose, MeasuredHose
+from forest_description.export import machine_yaml
 from forest_description.machine import Machine, load_machine
 from forest_description.types import AXES
 from forest_ident.estimators.parameter_estimate import NORMAL_95, Estimate, unit_of
 from forest_ident.measurements.parameter_path import SECTIONS, part_of, value_of
-from forest_ident.refinement.result import VALVE, Result
+from forest_ident.model_choice import candidates
+from forest_ident.refinement.refinement_task import VALVE
+from forest_ident.refinement.result import Result
 
+OWN = "# Identified from records"
+"""Begins a file that `write` made, and may make anew."""
 HOSE = ("length", "bore", "turbulent_resistance", "laminar_resistance", "inertance", "capacitance")
 
 
-def write(result: Result, start: str, file: Path) -> Machine:
+def write(
+    result: Result, start: str, file: Path, doubts: Mapping[str, str] = MappingProxyType({})
+) -> Machine:
     """Write the identified machine; return it as it is read back from the file.
 
     Args:
         result: of the identification.
         start: name or file of the machine that it started from.
         file: to be written; its folder must be there.
+        doubts: why a parameter is not trusted, by dotted key; its source says so.
 
     Raises:
-        MachineError: the numbers do not make a machine; the file is left for inspection.
+        MachineError: the numbers do not make a machine; there is no file then.
         OSError: it cannot be written.
     """
     based_on = start
     if Path(start).suffix:
         based_on = os.path.relpath(Path(start).resolve(), file.resolve().parent)
     lines = [
-        f"# Identified from records; what is not here is as in {Path(based_on).name}.",
+        f"{OWN}; what is not here is as in {Path(based_on).name}.",
         f"based_on: {based_on}",
         f"description: {json.dumps(f'{result.start.description}, identified', ensure_ascii=False)}",
         "",
-        *_lines(_tree(_entries(result)), 0),
+        *_lines(_tree(_added(load_machine(start), result.machine) | _entries(result, doubts)), 0),
     ]
-    file.write_text("\n".join(lines) + "\n", encoding="utf-8")
+    draft = file.with_name(f".{file.name}")
+    draft.write_text("\n".join(lines) + "\n", encoding="utf-8")
+    try:
+        load_machine(draft)
+        draft.replace(file)
+    finally:
+        draft.unlink(missing_ok=True)
     return load_machine(file)
 
 
-def _entries(result: Result) -> dict[str, str]:
+def _entries(result: Result, doubts: Mapping[str, str]) -> dict[str, str]:
     """Return the text of each number by its dotted key, in the order of the file."""
-    entries = {key: _estimate(estimate) for key, estimate in result.estimates.items()}
+    entries = {key: _estimate(estimate, doubts.get(key, "")) for key, estimate in result.estimates.items()}
     for section in ("hose", *(f"{axis}.hose" for axis in AXES)):
         entries |= _measured_hose(section, result)
     entries |= _calibration(result)
@@ -54,14 +70,34 @@ def _entries(result: Result) -> dict[str, str]:
     return entries
 
 
+def _added(before: Machine, now: Machine) -> dict[str, str]:
+    """Return what `model_choice` added to the machine that the file is based on."""
+    source, entries = "assumed: a usual size, from which the search began", {}
+    for path in candidates.ADDED:
+        part = part_of(now, path)
+        if part is None or part_of(before, path) is not None:
+            continue
+        if isinstance(part, float):
+            entries[path] = _quantity(part, unit_of(path), source)
+        else:
+            entries |= machine_yaml.entries(part, source, path)
+    return entries
+
+
 def _quantity(value: float, unit: str, source: str) -> str:
     return f'{{value: {value:.9g}, unit: {unit}, source: "{source}"}}'
 
 
-def _estimate(e: Estimate) -> str:
+def _estimate(e: Estimate, doubt: str) -> str:
     _, low, high = e.formatted()
-    warning = f"; {e.warning}" if e.warning else ""
-    source = f"identified: {e.method}, 95 % interval {low} .. {high}{warning}"
+    told = (
+        f"; {100.0 * e.told:.0f} % of its variance from told numbers, most from {e.most}"
+        if e.told > 0.005
+        else ""
+    )
+    doubtful = f"; not trusted: {doubt}" if doubt else ""
+    interval = "95 % interval withheld" if e.withheld else f"95 % interval {low} .. {high}"
+    source = f"identified: {e.method}, {interval}{told}{doubtful}".replace('"', "'")
     return _quantity(e.value, e.unit, source)
 
 

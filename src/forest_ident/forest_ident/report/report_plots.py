@@ -22,11 +22,13 @@ from forest_ident.experiments import test_rig
 from forest_ident.measurements.differentiator import derivative, smooth
 from forest_ident.measurements.parameter_path import valve_at
 from forest_ident.measurements.session import Session
+from forest_ident.output_error.residual_test import autocorrelation
 from forest_ident.refinement import linear_estimates
 from forest_ident.refinement.result import Refined
 
 PERCENTILE = 99.5  # [%] of the samples that a plot's scale must show
 MEASURED, FITTED = {"color": "C0"}, {"color": "k", "linestyle": ":", "linewidth": 1.8}
+STYLES = ("-", "--", "-.", ":")  # so that no line hides another
 NOTHING = np.zeros(0)
 
 Curve = tuple[Floats, Floats]
@@ -159,24 +161,17 @@ def whiteness(axes: Any, refined: Refined) -> None:
     for name, residual in refined.fit.residuals.items():
         r = autocorrelation(residual)
         if r is not None:
-            axes.plot(np.arange(1, len(r) + 1), r, linewidth=0.8, label=name)
+            style = STYLES[len(axes.lines) % len(STYLES)]
+            axes.plot(np.arange(1, len(r) + 1), r, style, linewidth=0.8, label=name)
             count = max(count, int(np.isfinite(residual).sum()))
     band = 1.96 / math.sqrt(max(count, 1))
     axes.axhspan(-band, band, color="0.85")
-    axes.set(xlabel="lag, samples", ylim=(-0.3, 1.0), title=f"{refined.session.name}: residuals' correlation")
+    axes.set(
+        xlabel="lag, samples of the sensor",
+        ylim=(-0.3, 1.0),
+        title=f"{refined.session.name}: residuals' correlation",
+    )
     axes.legend(fontsize=5)
-
-
-def autocorrelation(residual: Floats, lags: int = 40) -> Floats | None:
-    """Return the autocorrelation at lags 1 .. n over the finite rows; None if there are too few."""
-    good = np.isfinite(residual)
-    if good.sum() < 10 * lags:
-        return None
-    r = np.where(good, residual - np.mean(residual[good]), 0.0)
-    pairs = np.array([good[:-k] @ good[k:].astype(float) for k in range(1, lags + 1)])
-    products = np.array([r[:-k] @ r[k:] for k in range(1, lags + 1)])
-    power = float(r @ r) / float(good.sum())
-    return np.asarray(products / np.maximum(pairs, 1.0) / max(power, 1e-300), dtype=np.float64)
 
 
 PLOTS: dict[str, tuple[Callable[[Any, Machine, Session], None], ...]] = {

@@ -34,10 +34,12 @@ def write(session: Session, model: Machine, signals: list[Signal], directory: Pa
     return html_page.write(directory / "validation.html", "validation.html", **content)
 
 
-def images(session: Session, signals: list[Signal]) -> list[str]:
-    """Return an image per axis, as sources for a page."""
+def images(session: Session, signals: list[Signal]) -> list[tuple[str, str]]:
+    """Return an image per axis, as source for a page, with its caption."""
     axes = dict.fromkeys(s.axis for s in signals)
-    return [html_page.image(_figure(session, axis, [s for s in signals if s.axis == axis])) for axis in axes]
+    figures = (_figure(session, axis, [s for s in signals if s.axis == axis]) for axis in axes)
+    captions = (f"{session.name}, {axis}: measured solid, predicted dotted" for axis in axes)
+    return [(html_page.image(figure), caption) for figure, caption in zip(figures, captions, strict=True)]
 
 
 def _figure(session: Session, axis: str, signals: list[Signal]) -> Figure:

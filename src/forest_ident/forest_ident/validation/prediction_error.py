@@ -7,6 +7,7 @@
 | VAF | 1 - var(y - yhat)/var(y), variance accounted for |
 """
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -20,6 +21,8 @@ from forest_ident.output_error.prediction import predict
 from forest_ident.refinement import refinement
 
 SPEED_BANDWIDTH = 8.0  # [Hz] of the smoothing of both speeds
+LIMITS = {"angle": 0.02, "velocity": 0.05, "flow": 0.05, "pressure": 0.1}
+"""Greatest NRMSE of a record that a model predicts; pressures bear more than motion."""
 STILL = 1e-6  # [unit] range of a signal that did not move
 
 
@@ -64,15 +67,23 @@ def signals(model: Machine, session: Session) -> list[Signal]:
     missing = [f"{axis}_resolver" for axis in AXES if not session.has(f"{axis}_resolver")]
     if missing or len(session.time) < 100:
         raise SessionError(f"{session.name}: too short, or without {', '.join(missing) or 'samples'}")
-    predicted = predict(refinement.prepared(model, session), calibration.corrected(session, model))
-    predicted = predicted if session.is_exact else calibration.as_read(predicted, model)
+    columns = predict(refinement.prepared(model, session), calibration.corrected(session, model))
+    columns = columns if session.is_exact else calibration.as_read(columns, model)
     found: list[Signal] = []
     for axis in AXES:
         if np.ptp(session.column(f"{axis}_resolver")) > 0.02:
-            found += _axis(axis, session, predicted)
+            found += _axis(axis, session, columns)
     if not found:
         raise SessionError(f"{session.name}: no axis moved; it takes a record with motion")
     return found
+
+
+def predicted(model: Machine, session: Session) -> list[Signal]:
+    """Return the signals as `signals` does; none of a record that cannot be predicted."""
+    try:
+        return signals(model, session)
+    except SessionError:
+        return []
 
 
 def _axis(axis: str, session: Session, predicted: dict[str, Floats]) -> list[Signal]:
@@ -102,8 +113,26 @@ def _pressure(axis: str, port: int, session: Session, predicted: dict[str, Float
     return Signal(axis=axis, name=f"pressure {port}", unit="Pa", measured=measured, predicted=shown)
 
 
-def text_table(found: list[Signal]) -> str:
-    """Return NRMSE and VAF per signal."""
-    lines = ["| signal | NRMSE, % | VAF, % |", "|---|---|---|"]
-    scores = (f"| {s.axis} {s.name} | {100.0 * s.nrmse:.2f} | {100.0 * s.vaf:.2f} |" for s in found)
+def limit(signal: Signal) -> float:
+    """Return the greatest NRMSE at which a signal counts as predicted."""
+    return LIMITS[signal.name.partition(" ")[0]]
+
+
+def over_limit(found: Sequence[Signal]) -> list[str]:
+    """Return a text on every signal that is not predicted."""
+    return [
+        f"{s.axis} {s.name} is {100.0 * s.nrmse:.1f} % off, limit {100.0 * limit(s):.0f} %"
+        for s in found
+        if s.nrmse > limit(s)
+    ]
+
+
+def text_table(found: Sequence[Signal]) -> str:
+    """Return NRMSE with its limit, and VAF, per signal."""
+    lines = ["| signal | NRMSE, % | limit, % | VAF, % |", "|---|---|---|---|"]
+    scores = (
+        f"| {s.axis} {s.name} | {100.0 * s.nrmse:.2f} | "
+        f"{100.0 * limit(s):.0f}{' missed' * (s.nrmse > limit(s))} | {100.0 * s.vaf:.2f} |"
+        for s in found
+    )
     return "\n".join([*lines, *scores])

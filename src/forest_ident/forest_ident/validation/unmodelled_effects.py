@@ -23,7 +23,7 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from scipy.optimize import minimize_scalar
+import scipy
 
 from forest_description.components.drives import Friction
 from forest_description.components.load import Pendulum
@@ -168,7 +168,7 @@ def _damped_as(model: Machine, session: Session) -> Machine:
         ways = zip((of["pressure 1"], of["pressure 2"]), _open(model, session, 2), strict=True)
         return sum(float(np.sum((s.measured - s.predicted)[rows] ** 2)) for s, rows in ways)
 
-    return machine(float(minimize_scalar(cost, bounds=(-4.0, 4.0), options={"xatol": 0.01}).x))
+    return machine(float(scipy.optimize.minimize_scalar(cost, bounds=(-4.0, 4.0), options={"xatol": 0.01}).x))
 
 
 def _with_equal_areas(machine: Machine) -> Machine:

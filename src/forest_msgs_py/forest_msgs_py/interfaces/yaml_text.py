@@ -4,16 +4,37 @@ from typing import Any
 
 import yaml
 
+MOST_VALUES = 1_000_000  # [1] for which a text may stand: aliases of aliases stand for any number of them
+
 
 def parsed(text: str) -> Any:
     """Return what stands in a text.
 
     Raises:
-        yaml.YAMLError: it is not YAML, is nested too deeply, or holds a date or a number that is none.
+        yaml.YAMLError: it is not YAML, is nested too deeply, holds a date or a number that is none, or
+            aliases that stand for too much.
     """
+    loader = yaml.SafeLoader(text)
     try:
-        return yaml.safe_load(text)
+        node = loader.get_single_node()
+        if node is None:
+            return None
+        if _values(node, {}) > MOST_VALUES:
+            raise yaml.YAMLError(f"its aliases stand for more than {MOST_VALUES} values, or for themselves")
+        return loader.construct_document(node)
     except RecursionError as error:
         raise yaml.YAMLError("nested too deeply") from error
     except (ValueError, OverflowError) as error:
         raise yaml.YAMLError(str(error)) from error
+    finally:
+        loader.dispose()
+
+
+def _values(node: yaml.Node, known: dict[int, int]) -> int:
+    """Return for how many values a node stands, its aliases followed; too many for one that holds itself."""
+    if id(node) not in known:
+        known[id(node)] = MOST_VALUES + 1
+        parts = node.value if isinstance(node, yaml.SequenceNode | yaml.MappingNode) else ()
+        nodes = [part for pair in parts for part in pair] if isinstance(node, yaml.MappingNode) else parts
+        known[id(node)] = 1 + sum(_values(part, known) for part in nodes)
+    return known[id(node)]

@@ -29,7 +29,7 @@ import math
 from typing import Any, NamedTuple
 
 import numpy as np
-from scipy.linalg import eig
+import scipy
 
 from forest_description.types import AXES, Floats, Vec3
 from forest_sim.equations.drive import DriveState
@@ -223,7 +223,7 @@ def modes(angles: Vec3, spools: Vec3, p: PlantParameters) -> list[Mode]:
     a, kept = linearise(operating_point(angles, spools, p), p)
     a = _by_deflections(a, kept)
     scale = np.array([_difference(place) for place in kept])
-    values, left, right = eig(a * scale[np.newaxis, :] / scale[:, np.newaxis], left=True)
+    values, left, right = scipy.linalg.eig(a * scale[np.newaxis, :] / scale[:, np.newaxis], left=True)
     found = [
         _mode(value, np.abs(left[:, k].conj() * right[:, k]), kept)
         for k, value in enumerate(values)

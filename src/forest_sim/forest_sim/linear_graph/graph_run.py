@@ -9,8 +9,8 @@ beside loads of seconds.
 from collections.abc import Callable, Iterable, Mapping
 
 import numpy as np
+import scipy
 from numpy.typing import ArrayLike
-from scipy.integrate import solve_ivp
 from sympy import Expr
 
 from forest_description.types import Floats
@@ -78,7 +78,7 @@ def _integrated(
     slope: Callable[[float, Floats], Floats], first: Floats, times: Floats, small: list[float]
 ) -> Floats:
     """Return the states at the times, shape (N, states)."""
-    solution = solve_ivp(
+    solution = scipy.integrate.solve_ivp(
         slope,
         (times[0], times[-1]),
         first,

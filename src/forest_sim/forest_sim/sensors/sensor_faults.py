@@ -9,6 +9,7 @@ and
 | `frozen` | repeats its last reading |
 | `bias NUMBER UNIT` | reads too much by that |
 | `drop`, `drop NUMBER %` | loses every sample, or that share of them |
+| `noise NUMBER %` | has so much of its noise |
 
 and may end in `from NUMBER s`, `until NUMBER s`, or both: time since the machine started. Units are
 those of machine files. A channel may have several faults.
@@ -27,11 +28,12 @@ FORM = re.compile(
     rf"(?:\s+from\s+(?P<start>{NUMBER})\s*s)?(?:\s+until\s+(?P<end>{NUMBER})\s*s)?"
 )
 ALLOWED = (
-    "absent; frozen; bias NUMBER UNIT; drop; drop NUMBER %; "
+    "absent; frozen; bias NUMBER UNIT; drop; drop NUMBER %; noise NUMBER %; "
     "each with 'from NUMBER s', 'until NUMBER s' or both after it"
 )
 LARGEST_BIAS = 1e9  # [any]; a slipped decimal point, or what no arithmetic survives
-MODES = {"absent": ABSENT, "frozen": FROZEN, "bias": WORKS, "drop": DROPPED}
+LOUDEST = 1e6  # [%] of noise: ten thousand times
+MODES = {"absent": ABSENT, "frozen": FROZEN, "bias": WORKS, "drop": DROPPED, "noise": WORKS}
 
 
 def parse_faults(text: str) -> tuple[Fault, ...]:
@@ -58,7 +60,7 @@ def _fault(entry: str) -> Fault:
         raise ValueError(
             f"'{entry}': from {start:g} s until {end:g} s; allowed: a time from 0 s on and a later one"
         )
-    bias, probability = _amount(entry, name, form)
+    bias, probability, noise = _amount(entry, name, form)
     return Fault(
         channel=CHANNELS.index(name),
         mode=MODES[form["word"]],
@@ -66,19 +68,24 @@ def _fault(entry: str) -> Fault:
         probability=probability,
         start=start,
         end=end,
+        noise=noise,
     )
 
 
-def _amount(entry: str, name: str, form: re.Match[str]) -> tuple[float, float]:
-    """Return bias [the channel's unit] and probability of a fault."""
+def _amount(entry: str, name: str, form: re.Match[str]) -> tuple[float, float, float]:
+    """Return bias [the channel's unit], probability, and factor of the noise of a fault."""
     word, unit = form["word"], form["unit"]
     if word in ("absent", "frozen") and unit:
         raise ValueError(f"'{entry}': '{word}' takes no amount; allowed: {ALLOWED}")
     amount = float(form["amount"]) if unit else 100.0
     if word == "drop" and not (unit in (None, "%") and 0.0 <= amount <= 100.0):
         raise ValueError(f"'{entry}': drop {amount:g} {unit}; allowed: 0 .. 100 %")
+    if word == "noise":
+        if unit != "%" or not 0.0 <= amount <= LOUDEST:
+            raise ValueError(f"'{entry}': noise needs a share; allowed: 0 .. {LOUDEST:g} %")
+        return 0.0, 1.0, 0.01 * amount
     if word != "bias":
-        return 0.0, 0.01 * amount
+        return 0.0, 0.01 * amount, 1.0
     if unit not in UNITS or UNITS[unit].si != UNIT[name]:
         raise ValueError(
             f"'{entry}': bias needs a number and a unit; allowed: {', '.join(units_for(UNIT[name]))}"
@@ -86,4 +93,4 @@ def _amount(entry: str, name: str, form: re.Match[str]) -> tuple[float, float]:
     bias = amount * UNITS[unit].factor
     if not abs(bias) <= LARGEST_BIAS:
         raise ValueError(f"'{entry}': bias {bias:g}; allowed: up to {LARGEST_BIAS:g} {UNIT[name]}")
-    return bias, 1.0
+    return bias, 1.0, 1.0

@@ -67,6 +67,7 @@ class Fault(NamedTuple):
     probability: float  # that a sample is hit
     start: float
     end: float
+    noise: float = 1.0  # factor
 
 
 class Suite(NamedTuple):
@@ -142,7 +143,9 @@ def conditions(suite: Suite, time: float, uniform: Sequence[float]) -> tuple[Sen
             channel = channels[fault.channel]
             hit = uniform[fault.channel] < fault.probability
             mode = max(channel.mode, fault.mode) if hit else channel.mode
-            channels[fault.channel] = channel._replace(bias=channel.bias + fault.bias, mode=mode)
+            channels[fault.channel] = channel._replace(
+                bias=channel.bias + fault.bias, noise=fault.noise * channel.noise, mode=mode
+            )
     return tuple(channels)
 
 

@@ -5,6 +5,7 @@ import math
 import os
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
+from typing import Any
 
 from forest_compile.kernel_cache import can_compile
 from forest_description.machine import Machine, load_machine
@@ -20,9 +21,7 @@ MECHANISMS: dict[str, Changes] = {
     "inching": {"servo.inching.ARRIVED": 1e9},
     "stronger inches": {"servo.inching.STRONGEST": 1.0},
     "hold zone": {"valve_driver.hold_zone": 0.0},
-    "zone that doubles": {"valve.valve_hold.WIDEST": 1.0},
     "low-pass of the error": {"servo.coordinated_servo.ERROR_LAG": 1e-6},
-    "integral at rest": {"servo.coordinated_servo.MOST_GATHERED": 0.0},
     "nothing, with adaptation": {"valve_driver.adapt": True},
     "search, with adaptation": {"valve_driver.adapt": True, "valve.valve_adaptation.SEARCH": 0.0},
 }
@@ -40,21 +39,23 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="ROOM",
         help=f"instead of mechanisms, constants of these rooms and nodes: {', '.join((*ROOMS, *NODES))}",
     )
-    add("--only", default="", metavar="TEXT", help="of these, whose name has it in it")
-    add("--pushes", type=whole(1, 1000), default=20, metavar="N", help="default: %(default)s")
+    add("--only", default="", metavar="TEXT", help="whose name has it in it")
+    add("--pushes", type=whole(1, 1000), default=20, metavar="N", help="of each overlap and tilt")
     add(
         "--overlap",
+        nargs="+",
         type=number(0.5, 2.0),
-        default=1.0,
+        default=[1.0],
         metavar="SHARE",
-        help="believed over true overlap while pushed (default: %(default)s)",
+        help="believed over true overlap while pushed (default: 1)",
     )
     add(
         "--tilt",
+        nargs="+",
         type=number(-15.0, 15.0, "deg"),
-        default=0.0,
+        default=[0.0],
         metavar="DEG",
-        help="of the platform while pushed, which the controller does not know (default: %(default)s)",
+        help="of the platform while pushed, which the controller does not know (default: 0)",
     )
 
 
@@ -68,17 +69,19 @@ def run(options: argparse.Namespace) -> int:
     if not can_compile():
         raise StudyError("ablation needs LLVM, which is not installed: pip install 'forest-crane[fast]'")
     machine, rooms = load_machine(options.machine), options.constants
-    changes = MECHANISMS if rooms is None else _constants(rooms, options.only, machine)
+    changes = _chosen(MECHANISMS if rooms is None else _constants(rooms, machine), options.only)
+    conditions = [(share, math.radians(tilt)) for tilt in options.tilt for share in options.overlap]
 
     def one(name: str) -> Figures | None:
-        tilt = math.radians(options.tilt)
-        found = tried(Trial(options.machine, changes[name], options.pushes, options.overlap, tilt))
+        found = tried(Trial(options.machine, changes[name], options.pushes, conditions))
         print(_line(name, found), flush=True)
         return found
 
     print(HEAD, flush=True)
+    found = {NOTHING: one(NOTHING)}  # first, since it may have to compile the kernel
+    others = [name for name in changes if name != NOTHING]
     with ThreadPoolExecutor(len(os.sched_getaffinity(0))) as pool:
-        found = dict(zip(changes, pool.map(one, changes), strict=True))
+        found |= dict(zip(others, pool.map(one, others), strict=True))
     told = {name: None if row is None else row._asdict() for name, row in found.items()}
     write_json(options.out / "ablation.json", {**_conditions(options), "without": told})
     names = sorted(found, key=_effect(found), reverse=True) if options.constants else list(found)
@@ -97,24 +100,29 @@ def _line(name: str, row: Figures | None) -> str:
         return f"| {name} | control failed | | | | | |"
     return (
         f"| {name} | {row.paths_mm:.2f} | {row.governed_mm:.2f} | {row.slow_mm_s:.1f} | {row.volts_s:.0f} "
-        f"| {row.cycles} | {row.rest_mm:.1f} |"
+        f"| {' '.join(map(str, row.cycles))} | {' '.join(f'{rest:.1f}' for rest in row.rest_mm)} |"
     )
 
 
-def _conditions(options: argparse.Namespace) -> dict[str, str | float]:
+def _conditions(options: argparse.Namespace) -> dict[str, Any]:
     names = ("machine", "pushes", "overlap", "tilt")
     return {name: getattr(options, name) for name in names}
 
 
-def _constants(rooms: list[str], only: str, machine: Machine) -> dict[str, Changes]:
+def _constants(rooms: list[str], machine: Machine) -> dict[str, Changes]:
     """Return the changes of all constants, behind none."""
-    found = {name: value for name, value in numbers(tuple(rooms), machine).items() if only in name}
-    if not found:
-        raise StudyError(f"no constant of {', '.join(rooms)} has {only!r} in its name")
     changes: dict[str, Changes] = {NOTHING: {}}
-    for name, value in found.items():
+    for name, value in numbers(tuple(rooms), machine).items():
         changes |= {f"{name} × {factor:g}": {name: scaled(value, factor)} for factor in FACTORS}
     return changes
+
+
+def _chosen(changes: dict[str, Changes], only: str) -> dict[str, Changes]:
+    """Return the changes whose name has a text in it, behind none."""
+    chosen = {name: change for name, change in changes.items() if only in name}
+    if not chosen:
+        raise StudyError(f"no constant or mechanism of these has {only!r} in its name")
+    return {NOTHING: {}, **chosen}
 
 
 def _effect(found: dict[str, Figures | None]) -> Callable[[str], float]:
@@ -125,6 +133,11 @@ def _effect(found: dict[str, Figures | None]) -> Callable[[str], float]:
         row = found[name]
         if row is None or usual is None:
             return math.inf
-        return max(abs(a - b) / max(abs(b), 1.0) for a, b in zip(row, usual, strict=True))
+        return max(abs(a - b) / max(abs(b), 1.0) for a, b in zip(_flat(row), _flat(usual), strict=True))
 
     return effect
+
+
+def _flat(row: Figures) -> list[float]:
+    *of_paths, cycles, rest_mm = row
+    return [*of_paths, *cycles, *rest_mm]

@@ -26,7 +26,6 @@ BARE: Changes = {
     "servo.inching.ARRIVED": 1e9,
     "valve_driver.hold_zone": 0.0,
     "valve_driver.adapt": False,
-    "valve.valve_hold.WIDEST": 1.0,
 }
 PUSHED, RELEASED, LOOKED, END = 0.5, 1.0, 6.0, 12.0  # [s]
 PUSH = 0.3  # [1] of the lever

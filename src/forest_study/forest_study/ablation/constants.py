@@ -2,17 +2,23 @@
 
 A constant is called `room.module.NAME`; a setting `controller.name` or `valve_driver.name`, as on the nodes.
 Modules take each other's constants by name when they are imported, so a change must reach each of them.
+What a NamedTuple took as a default keeps its value.
 """
 
 import importlib
 import pkgutil
 import sys
+from functools import lru_cache
 from types import ModuleType
 from typing import Any, NamedTuple
 
+import numpy as np
+
+from forest_compile.entry import RuntimeNumber
 from forest_control.config import controller_settings
 from forest_control.valve import valve_driver_parameters
 from forest_description.machine import Machine
+from forest_description.types import Floats
 from forest_study.results import StudyError
 
 ROOMS = ("servo", "valve", "limits", "pipeline", "safety", "config")
@@ -67,6 +73,27 @@ def changed(changes: Changes) -> Settings:
     )
 
 
+def at_runtime() -> Floats:
+    """Let kernels read all constants that are no whole numbers when they run; return their values.
+
+    One kernel then serves all changes. It is for a process that computes nothing else.
+    """
+    values: list[float] = []
+
+    def placed(value: Number) -> Number:
+        if isinstance(value, tuple):
+            return tuple(map(placed, value))  # type: ignore[arg-type]
+        if not isinstance(value, float):
+            return value
+        values.append(value)
+        return RuntimeNumber(value, len(values) - 1)
+
+    for module in [module for room in ROOMS for module in _modules(room)]:
+        for name, value in sorted(_own(module)):
+            _replace(module, name, placed(value))
+    return np.array(values)
+
+
 def scaled(value: Number, factor: float) -> Number:
     """Return a number, or each of several, times a factor; whole numbers stay whole."""
     if isinstance(value, tuple):
@@ -77,19 +104,21 @@ def scaled(value: Number, factor: float) -> Number:
 def _change_constant(place: str, name: str, value: Number) -> None:
     try:
         owner = importlib.import_module(MODULE + place)
-        before = getattr(owner, name)
+        getattr(owner, name)
     except (ImportError, AttributeError, ValueError):
         raise StudyError(
             f"{place}.{name} is no constant of forest_control and no setting; "
             "allowed: names as in the table, such as servo.inching.LOOK or controller.lead"
         ) from None
-    for module in _all_modules():
+    _replace(owner, name, value)
+
+
+def _replace(owner: ModuleType, name: str, value: Number) -> None:
+    """Give a constant another value in its own module, and in those that have imported it."""
+    before = getattr(owner, name)
+    for module in [module for key, module in list(sys.modules.items()) if key.startswith("forest_")]:
         if getattr(module, name, None) is before and (module is owner or name not in dict(_own(module))):
             setattr(module, name, value)
-
-
-def _all_modules() -> list[ModuleType]:
-    return [module for name, module in list(sys.modules.items()) if name.startswith("forest_")]
 
 
 def _modules(room: str) -> list[ModuleType]:
@@ -100,12 +129,17 @@ def _modules(room: str) -> list[ModuleType]:
 
 def _own(module: ModuleType) -> list[tuple[str, Number]]:
     """Return the numbers that a module's own lines assign."""
-    source = module.__spec__.loader.get_source(module.__name__)  # type: ignore[union-attr]
+    source = _source(module)
     return [
         (name, value)
         for name, value in vars(module).items()
         if name.isupper() and _is_number(value) and (f"\n{name} =" in source or f"\n{name}: " in source)
     ]
+
+
+@lru_cache
+def _source(module: ModuleType) -> str:
+    return module.__spec__.loader.get_source(module.__name__)  # type: ignore[union-attr, no-any-return]
 
 
 def _is_number(value: object) -> bool:

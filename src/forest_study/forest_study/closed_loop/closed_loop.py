@@ -184,9 +184,9 @@ class ClosedLoop:
         self._suite, self._generator = suite, noise_generator(suite)
         self._sensors = sensor_readings.at_rest(rest, p, suite)
         self._simulation, self._advance = until_first_report(rest, p), compiled_advance()
-        step = compiled.controller_step() if fast else controller.step_with_telemetry
+        self._step = compiled.controller_step() if fast else controller.step_with_telemetry
         self._answer = compiled.driver_step() if fast else valve_driver.step
-        self.controller = GuardedController(control, guard_of(suite), step)
+        self.controller = GuardedController(control, guard_of(suite), self._step)
         self.controller.guard.permission = Permission(joystick=armed_watch())
         self.telemetry: Telemetry | None = None  # of the last state that was believed
         self._driver, self._reports, self._reference = valve_driver.REST, Reports(), ZERO
@@ -211,19 +211,16 @@ class ClosedLoop:
 
     def period(self, joystick: Joystick) -> Happened:
         """Return what happened in a period, and move the machine over it; the tip is left out."""
-        now, p = self._count * PERIOD, self._plant
-        heard = now + next(self._late, 0.0)
-        self._sensors, seen = sensor_readings.measure(
-            self._simulation, self._sensors, p, PERIOD, self._suite, draw(self._generator)
-        )
-        angles = sensor_readings.true_joints(self._simulation, p).position
+        heard = self._count * PERIOD + next(self._late, 0.0)
+        seen = self._sense()
+        angles = sensor_readings.true_joints(self._simulation, self._plant).position
         self._hear(joystick, heard)
-        self._states.send(heard, ((self._count + 1) * PERIOD_NS, seen))
+        self._report((self._count + 1) * PERIOD_NS, seen, heard)
         self._control(heard)
         command = self._command(heard)
         volts = self._in_force(command, seen)
         self._reports = reported(self._reports, learnt_reach(self._driver.estimates, self._drive.axes))
-        self._simulation = self._advance(self._simulation, volts, PERIOD / SUBSTEPS, SUBSTEPS, p)
+        self._move(volts)
         self._count += 1
         return Happened(
             angles=angles,
@@ -233,6 +230,21 @@ class ClosedLoop:
             voltages=volts,
             pressures=seen.pressures,
         )
+
+    def _sense(self) -> Measurement:
+        """Return what the sensors say."""
+        self._sensors, seen = sensor_readings.measure(
+            self._simulation, self._sensors, self._plant, PERIOD, self._suite, draw(self._generator)
+        )
+        return seen
+
+    def _report(self, stamp: int, seen: Measurement, now: float) -> None:
+        """Put what the sensors say on its way to the controller, under a stamp [ns]."""
+        self._states.send(now, (stamp, seen))
+
+    def _move(self, volts: Vec3) -> None:
+        """Move the machine over a period under the valves' voltages [V]."""
+        self._simulation = self._advance(self._simulation, volts, PERIOD / SUBSTEPS, SUBSTEPS, self._plant)
 
     def _hear(self, joystick: Joystick, now: float) -> None:
         """Have the controller hear what has come of the joystick."""

@@ -37,11 +37,13 @@ from forest_study.closed_loop.path_guide import Guide, Hand, levers_for
 # What is seldom called stays a function; all else is written out: four seconds to compile, a fifth faster.
 NOINLINE = (*plant_kernel.NOINLINE, *control_compiled.NOINLINE)
 # state, knowledge, levers (4 a row: swing, boom, stick, enabled), normals, recorded, rows; of an operator who
-# leads the reference: places (3 a period), hand and guide, the clock of each row
-ARGUMENTS = "pppppippp"
+# leads the reference: places (3 a period), hand and guide, the clock of each row; numbers given as it runs
+ARGUMENTS = "pppppipppp"
 NO_LOADS: Mapping[int, PlantParameters] = {}
 LEADS_NOT = np.array([0.0, 1.0, 0.0, 1.0, *[0.0] * 7])  # of hand and guide
 RECORDED = 27
+runtime_numbers = np.zeros(1)
+"""Values of those numbers that this process has made `RuntimeNumber`s: none, but in an ablation."""
 
 
 class Led(NamedTuple):
@@ -86,7 +88,7 @@ class Prepared(NamedTuple):
         before, after = (state, knowledge, levers, self.normals, recorded), (places, guide, clock)
         pointers = [[array.ctypes.data for array in arrays] for arrays in (before, after)]
         for row in (*sorted(loads), rows):
-            KERNEL.kernel()(*pointers[0], row, *pointers[1])
+            KERNEL.kernel()(*pointers[0], row, *pointers[1], runtime_numbers.ctypes.data)
             if row in loads:
                 _change_load(state, knowledge, loads[row])
         made = int(guide[-1])
@@ -266,7 +268,7 @@ def entry() -> Entry:
         )
     ]
     lines = [
-        "def kernel(state, knowledge, levers, normals, recorded, rows, places, guide, clock):",
+        "def kernel(state, knowledge, levers, normals, recorded, rows, places, guide, clock, runtime):",
         "    last, every = int(guide[0]), int(guide[3])",
         "    hand = Hand(guide[1], guide[2], every, guide[4])",
         "    for row in range(int(guide[10]), rows):",

@@ -16,7 +16,7 @@ from functools import lru_cache
 from typing import Any, NamedTuple
 
 import numpy as np
-from scipy.optimize import brentq
+import scipy
 
 from forest_control.operator.joystick_sources import THESIS_DURATION
 from forest_description.derived.limits import THESIS_START
@@ -149,7 +149,7 @@ def break_even(axes: str = COORDINATES) -> list[float]:
 
     signs = [difference(mismatch) > 0.0 for mismatch in MISMATCHES]
     return [
-        float(brentq(difference, MISMATCHES[k], MISMATCHES[k + 1], xtol=BREAK_EVEN_TOLERANCE))
+        float(scipy.optimize.brentq(difference, MISMATCHES[k], MISMATCHES[k + 1], xtol=BREAK_EVEN_TOLERANCE))
         for k in range(len(signs) - 1)
         if signs[k] != signs[k + 1]
     ]

@@ -4,6 +4,8 @@ What the player says in a period counts in the next one, as in the live graph. P
 tip.
 """
 
+from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -25,6 +27,8 @@ from forest_study.closed_loop.closed_loop import ClosedLoop, Operator
 from forest_study.closed_loop.loop_core import Happened
 from forest_study.measures import Deviation, deviation
 
+FAST = partial(ClosedLoop, fast=True)
+
 
 class TaughtLoop:
     """Machine, controller, driver and taught work between periods.
@@ -36,6 +40,7 @@ class TaughtLoop:
         settings: of the controller; the plan knows the defaults.
         suite: sensors; default: the machine's, exact.
         plant: what is simulated instead of the machine's own parameters.
+        make: the loop of its cores.
     """
 
     def __init__(
@@ -46,13 +51,14 @@ class TaughtLoop:
         settings: controller_settings.Settings | None = None,
         suite: Suite | None = None,
         plant: PlantParameters | None = None,
+        make: Callable[..., ClosedLoop] = FAST,
     ) -> None:
         planned = controller_settings.parameters(machine, controller_settings.Settings())
         in_force = planned if settings is None else controller_settings.parameters(machine, settings)
         drive = valve_driver_parameters.parameters(machine, valve_driver_parameters.Settings())
         believed = plant_parameters(machine) if plant is None else plant
         sensors = sensor_suite(machine) if suite is None else suite
-        self.loop = ClosedLoop(believed, in_force, drive, pose_at(start, machine), sensors, fast=True)
+        self.loop = make(believed, in_force, drive, pose_at(start, machine), sensors)
         self.work, self._links = TaughtWork(folder, planned), machine.manipulator.links
         self.time, self.events = 0.0, list[str]()
         self.tips: list[Vec3] = []

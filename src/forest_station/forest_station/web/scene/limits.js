@@ -2,7 +2,7 @@
 
 import { AXES } from "./axes.js";
 
-const [RATE, JOINT, SINGULARITY, FLOW, WALL, RELEASED, LOAD, OVERLOAD] = [1, 2, 3, 4, 5, 6, 7, 8];
+const [RATE, JOINT, SINGULARITY, FLOW, WALL, RELEASED, LOAD, OVERLOAD, LATE] = [1, 2, 3, 4, 5, 6, 7, 8, 9];
 const CYLINDERS = { swing: ["platform"], boom: ["boom_barrel", "boom_rod"], stick: ["stick_barrel", "stick_rod"] };
 const LINKS = { swing: "platform", boom: "boom", stick: "stick" };
 
@@ -46,6 +46,7 @@ export class Limits {
       say(Number.isFinite(share) ? `load: ${Math.round(100 * share)} % of what is allowed here` : "load: not weighed", tip);
     }
     if (limit === OVERLOAD) say("overload: let go of the deadman, then put the load down", tip);
+    if (limit === LATE) say("late link: slower", tip);
     if (limit === RELEASED) {
       const held = signals.value("joy/button_left_shoulder") === 1;
       shown.labels.push({ key: "limit", text: held ? "centre the sticks" : "hold the deadman to drive", at: tip, kind: "calm" });

@@ -1,0 +1,56 @@
+"""Free the physics that a person allows, and keep what held-out records confirm."""
+
+from collections.abc import Callable, Sequence
+
+from forest_description.config.parameter import MachineError
+from forest_description.machine import Machine
+from forest_ident.measurements.session import SessionError
+from forest_ident.model_choice import residual_patterns
+from forest_ident.model_choice.candidates import CANDIDATES
+from forest_ident.model_choice.held_out_comparison import compare
+from forest_ident.refinement.result import Result
+
+Identify = Callable[[Machine], Result]
+
+
+def chosen(start: Machine, identify: Identify, allowed: Sequence[str]) -> Result:
+    """Return the identification with the allowed physics that the held-out records confirm.
+
+    Each name is tried in turn on the best model so far: its sections are added to the start, all records are
+    fitted anew, and the held-out records decide. A remark tells each decision, and what is still left over.
+
+    Args:
+        start: the machine as known until then.
+        identify: start to result.
+        allowed: names of `candidates.CANDIDATES`.
+
+    Raises:
+        SessionError: physics are allowed, but no record is held out.
+    """
+    best: Result = identify(start)
+    decisions: list[str] = []
+    if allowed and not best.held_out:
+        raise SessionError(
+            f"--allow {' '.join(allowed)}: no record is held out to decide by; allowed: with a "
+            "bag of `validation`"
+        )
+    for candidate in CANDIDATES:
+        if candidate.name not in allowed:
+            continue
+        try:
+            richer_start = candidate.add(best.start)
+        except MachineError as error:
+            decisions.append(f"--allow {candidate.name}: this crane cannot have it ({error})")
+            continue
+        if richer_start == best.start:
+            decisions.append(f"--allow {candidate.name}: the start has {candidate.physics} already")
+            continue
+        richer = identify(richer_start)
+        gain = compare(best.machine, richer.machine, best.held_out)
+        decisions.append(
+            f"--allow {candidate.name}: {candidate.physics}, {'kept' if gain.better else 'not kept'}: "
+            f"{gain.told()}"
+        )
+        best = richer if gain.better else best
+    best.remarks += decisions + [one.sentence() for one in residual_patterns.findings(best)]
+    return best

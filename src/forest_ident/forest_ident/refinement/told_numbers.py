@@ -1,0 +1,95 @@
+"""What a person tells of a crane, with its uncertainty: masses, centres of mass, geometry, areas.
+
+No record measures these numbers alone, and none is estimated. Each fit tells how its parameters would move
+with each of them (`fit_problem.told_effect`), and the Gaussian estimate carries these moves T from record to
+record. So an interval holds what wrong numbers would have made of it:
+
+    variance of a parameter = S_pp + sum over the told numbers of T_p^2
+
+The uncertainty is the machine file's (`uncertainty`), else the one below. All are halves of 95 % intervals.
+
+| number | default | because |
+|---|---|---|
+| mass of the stick | 40 % | a drawing leaves out pins, hoses, oil and rotator |
+| centre of mass | 0.1 m along, 0.05 m across the link | read off a drawing |
+| inertia of boom, stick about the centre of mass | 20 % | the same |
+| length | 5 mm | a tape over pins |
+| pivot | 3 mm | a rule |
+| area | 1 % | a bore read to half a per cent |
+| displacement | 2 % | a plate |
+
+Head and boom are estimates like all others: told are only their starts.
+"""
+
+import math
+from collections.abc import Mapping, Sequence
+from itertools import chain
+from typing import NamedTuple
+
+import numpy as np
+
+from forest_description.machine import Machine
+from forest_ident.estimators.parameter_estimate import NORMAL_95, Estimate
+from forest_ident.measurements.parameter_path import part_of
+from forest_ident.output_error.gaussian_estimate import GaussianEstimate
+from forest_ident.refinement.refinement_task import INERTIAS, TOLD
+
+
+class Half(NamedTuple):
+    """Half of a 95 % interval: a share of the number, or in its unit."""
+
+    value: float
+    relative: bool = False
+
+
+DEFAULTS = {
+    "stick_mass": Half(0.4, relative=True),
+    **dict.fromkeys(("boom_x", "stick_x"), Half(0.1)),
+    **dict.fromkeys(("boom_y", "stick_y"), Half(0.05)),
+    **dict.fromkeys(("base_offset", "boom_length", "stick_length"), Half(0.005)),
+    **dict.fromkeys(("pivot_to_base", "pivot_to_rod", "angle_offset"), Half(0.003)),
+    **dict.fromkeys(("head_area", "rod_area"), Half(0.01, relative=True)),
+    "motor_displacement": Half(0.02, relative=True),
+}
+INERTIA = 0.2  # of boom's and stick's: half of the 95 % interval
+
+
+def errors(machine: Machine, stated: Mapping[str, float]) -> dict[str, float]:
+    """Return the standard deviation of every told number, in its unit, by dotted key.
+
+    Args:
+        machine: the start.
+        stated: half-widths [SI] of the 95 % intervals that its file states, by dotted key.
+    """
+    keys = dict.fromkeys(chain(*TOLD.values()))
+    found = {key: _half(machine, key, stated) / NORMAL_95 for key in keys}
+    return {
+        **{key: error for key, error in found.items() if error > 0.0},
+        **dict.fromkeys(INERTIAS, INERTIA / NORMAL_95),
+    }
+
+
+def _half(machine: Machine, key: str, stated: Mapping[str, float]) -> float:
+    value = part_of(machine, key)
+    if not isinstance(value, float):
+        return 0.0
+    default = DEFAULTS[key.rpartition(".")[2]]
+    return stated.get(key, default.value * (abs(value) if default.relative else 1.0))
+
+
+def with_told(e: Estimate, known: GaussianEstimate, names: Sequence[str]) -> Estimate:
+    """Return an estimate with what told numbers add to its error, their share, and which adds most.
+
+    Args:
+        e: whose error is that of the records.
+        known: estimate of all.
+        names: of the told numbers, in the order of the slopes.
+    """
+    moves = known.moves((e.key,), len(names))[0] * (e.value if e.positive else 1.0)
+    added, own = float(moves @ moves), e.standard_error**2
+    if added <= 0.0:
+        return e
+    share = added / (added + own)
+    return e._replace(
+        standard_error=math.sqrt(added + own), told=share, most=names[int(np.argmax(np.abs(moves)))]
+    )

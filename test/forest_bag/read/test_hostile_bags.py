@@ -1,0 +1,120 @@
+"""Bags that were made to take a reader's memory are refused in a sentence before they get it."""
+
+import resource
+import struct
+import subprocess
+import sys
+from itertools import pairwise
+
+import lz4.frame
+import pytest
+import zstandard
+from mcap.records import Chunk
+
+from forest_bag.read import bag_reader
+from forest_bag.read.bag_reader import BagReader
+from forest_bag.storage import decompression
+from forest_bag.storage.decompression import LARGEST, unlz4, unzstd, unzstd_file
+from forest_bag.storage.mcap_records import chunk_records
+from forest_bag.storage.raw_messages import Damaged
+
+SMALL = 1 << 16  # [byte]
+ZEROS = bytes(SMALL)
+TOO_MUCH = "it would take more than"
+PACKERS = {"zstd": zstandard.ZstdCompressor().compress, "lz4": lz4.frame.compress}
+UNPACKERS = {"zstd": unzstd, "lz4": unlz4}
+
+
+@pytest.mark.parametrize("kind", PACKERS)
+def test_what_fits_is_decompressed_and_one_byte_more_is_refused(kind):
+    packed = PACKERS[kind](ZEROS)
+    assert UNPACKERS[kind](packed, SMALL) == ZEROS
+    with pytest.raises(ValueError, match=TOO_MUCH):
+        UNPACKERS[kind](packed, SMALL - 1)
+
+
+@pytest.mark.parametrize("kind", PACKERS)
+def test_what_is_cut_off_or_no_frame_is_refused(kind):
+    packed = PACKERS[kind](bytes(range(256)) * 256)
+    for broken in (packed[:-3], b"no frame at all", b""):
+        with pytest.raises(ValueError, match=r"."):
+            UNPACKERS[kind](broken, SMALL)
+
+
+def test_a_zstd_frame_that_does_not_tell_its_size_takes_no_more_than_allowed():
+    stream = zstandard.ZstdCompressor(write_content_size=False).compressobj()
+    packed = stream.compress(ZEROS) + stream.flush()
+    assert zstandard.frame_content_size(packed) == -1
+    assert unzstd(packed, SMALL) == ZEROS
+    with pytest.raises(ValueError, match=r"."):
+        unzstd(packed, SMALL - 1)
+
+
+@pytest.mark.parametrize("size", [LARGEST + 1, 10 << 30])
+def test_a_chunk_that_says_it_is_huge_is_refused_unread(size):
+    chunk = Chunk("zstd", PACKERS["zstd"](ZEROS), 0, 0, 0, size)
+    with pytest.raises(ValueError, match=f"the chunk says that it has {size} bytes; allowed: {LARGEST}"):
+        chunk_records(chunk)
+
+
+@pytest.mark.parametrize("kind", PACKERS)
+def test_a_chunk_that_holds_more_than_it_says_is_refused(kind):
+    chunk = Chunk(kind, PACKERS[kind](ZEROS), 0, 0, 0, SMALL // 2)
+    with pytest.raises(ValueError, match=f"the chunk cannot be decompressed .{TOO_MUCH}"):
+        chunk_records(chunk)
+
+
+def test_a_file_that_grows_beyond_all_measure_is_refused(tmp_path, monkeypatch):
+    monkeypatch.setattr(decompression, "LARGEST_FILE", SMALL)
+    packed = tmp_path / "a.mcap.zstd"
+    packed.write_bytes(PACKERS["zstd"](bytes(100 * SMALL)))
+    with pytest.raises(ValueError, match=TOO_MUCH):
+        unzstd_file(packed, tmp_path / "a.mcap")
+    with pytest.raises(Damaged, match=f"it cannot be decompressed .{TOO_MUCH}"):
+        BagReader(packed)
+    packed.write_bytes(PACKERS["zstd"](ZEROS))
+    unzstd_file(packed, tmp_path / "a.mcap")
+    assert (tmp_path / "a.mcap").read_bytes() == ZEROS
+
+
+def test_metadata_that_is_too_large_is_not_read(tmp_path, monkeypatch):
+    monkeypatch.setattr(bag_reader, "LARGEST_METADATA", 10)
+    (tmp_path / "metadata.yaml").write_text("rosbag2_bagfile_information: {}")
+    (tmp_path / "x_0.mcap").write_bytes(b"")
+    with pytest.raises(Damaged, match=r"metadata\.yaml has 31 bytes; allowed: 10"):
+        BagReader(tmp_path)
+
+
+LAUGHS = """
+import sys
+from forest_bag.read.bag_reader import BagReader
+try:
+    BagReader(sys.argv[1])
+except Exception as error:
+    print(error)
+"""
+
+
+def test_a_bomb_of_aliases_and_a_bomb_of_zeros_end_in_a_sentence_within_a_gigabyte(tmp_path):
+    names = "abcdefghij"
+    rows = ["a: &a [x, x, x, x, x, x, x, x, x]"]
+    rows += [f"{b}: &{b} [{', '.join([f'*{a}'] * 9)}]" for a, b in pairwise(names)]
+    laughs, zeros = tmp_path / "laughs", tmp_path / "zeros"
+    for bag in (laughs, zeros):
+        bag.mkdir()
+    (laughs / "x_0.mcap").write_bytes(b"")
+    (laughs / "metadata.yaml").write_text(
+        "\n".join([*rows, "rosbag2_bagfile_information: {relative_file_paths: *j}"])
+    )
+    whole = b"\x89MCAP0\r\n" + struct.pack("<BQ", 6, 1 << 40) + bytes(100)
+    (zeros / "x_0.mcap").write_bytes(whole)
+
+    def poor():
+        resource.setrlimit(resource.RLIMIT_AS, (1 << 30, 1 << 30))
+
+    for bag, said in ((laughs, "its aliases stand for more than 1000000 values"), (zeros, "damaged")):
+        told = subprocess.run(
+            [sys.executable, "-c", LAUGHS, str(bag)], capture_output=True, text=True, check=True,
+            timeout=60, preexec_fn=poor,
+        )  # fmt: skip
+        assert said in told.stdout, told

@@ -1,0 +1,57 @@
+"""A record under another experiment's name is refused by name."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+
+from forest_description.machine import load_machine
+from forest_ident.measurements.session import Session, SessionError
+from forest_ident.refinement.experiment_check import demand
+
+C180 = load_machine("c180_hoses")
+
+
+def record(name, driven, roll=None):
+    """Return a record that drives some axes, with the platform's roll."""
+    volts = np.zeros((100, 3))
+    volts[20:80, list(driven)] = 4.0
+    readings = {} if roll is None else {"platform_roll": np.full(100, roll)}
+    return Session(name, 0.005 * np.arange(100), volts, readings)
+
+
+@pytest.mark.parametrize(
+    ("name", "driven", "roll", "sentence"),
+    [
+        ("motor_internal", (0,), None, "motor_internal: the record drives swing; allowed: none: all valves"),
+        ("motor_external", (), None, "drives no axis; allowed: the swing: is it motor_internal's"),
+        (
+            "damping_boom",
+            (2,),
+            None,
+            "damping_boom: the record drives stick; allowed: only boom: is it another",
+        ),
+        ("gravity", (0, 1), None, "gravity: the record drives swing; allowed: only boom and stick"),
+        ("motor_internal", (), 0.0, "motor_internal: the platform rolls 0.000 rad; allowed: a tilted one"),
+        ("motor_external", (0,), 0.15, "motor_external: the platform rolls 0.150 rad; allowed: a level one"),
+    ],
+)
+def test_a_record_of_another_experiment_is_named(name, driven, roll, sentence):
+    with pytest.raises(SessionError, match=sentence):
+        demand(C180, record(name, driven, roll))
+
+
+@pytest.mark.parametrize(
+    ("name", "driven", "roll"),
+    [
+        ("motor_internal", (), 0.15),
+        ("motor_external", (0,), 0.0),
+        ("gravity", (1, 2), None),
+        ("damping_boom", (1,), None),
+        ("validation", (0, 1, 2), None),
+        ("valve", (0,), None),
+    ],
+)
+def test_a_record_of_its_experiment_passes(name, driven, roll):
+    demand(C180, record(name, driven, roll))
+    demand(C180, dataclasses.replace(record(name, driven), readings={}))

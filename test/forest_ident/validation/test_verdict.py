@@ -1,0 +1,100 @@
+"""The verdict names what is not to be trusted, and why; a machine's own record says trusted."""
+
+import numpy as np
+import pytest
+
+from forest_description.machine import load_machine
+from forest_ident.estimators.parameter_estimate import Estimate, unit_of
+from forest_ident.measurements.session import Session
+from forest_ident.output_error.fit_problem import Fit
+from forest_ident.output_error.gaussian_estimate import EMPTY
+from forest_ident.output_error.residual_test import ResidualTest
+from forest_ident.refinement import data_quality
+from forest_ident.refinement.result import Refined, Result
+from forest_ident.validation.prediction_error import Signal, over_limit
+from forest_ident.validation.verdict import BUT_FOR, NOT_TRUSTED, TRUSTED, verdict
+
+C180 = load_machine("c180_hoses")
+KEYS = ("boom.damping", "stick.damping", "boom.rod_area")
+FIT = Fit({}, {}, 1.0, EMPTY, {}, {}, 1, {})
+SESSION = Session("damping_boom", np.arange(3.0), np.zeros((3, 3)), {})
+
+
+def result_with(tests=(), **changes):
+    """Return a result of three dampings, one changed, whose record left some residuals."""
+    estimates = {key: Estimate(key, 0.013, 1e-5, unit_of(key), 1.0, "output error") for key in KEYS}
+    estimates[KEYS[0]] = estimates[KEYS[0]]._replace(**changes)
+    result = Result(C180, C180, estimates=estimates)
+    result.refined = [Refined(SESSION, FIT, KEYS[:1], list(tests))]
+    return result
+
+
+def left(times, correlation):
+    return ResidualTest("boom_resolver", 1e-3, times, 1000, correlation)
+
+
+def test_white_residuals_at_the_sensors_noise_are_trusted():
+    said = verdict(result_with([left(1.1, 0.02)]))
+    assert (said.code, said.lines) == (TRUSTED, ["trusted"])
+
+
+def test_correlated_residuals_above_the_noise_are_a_doubt_of_what_their_record_found():
+    said = verdict(result_with([left(2.0, 0.6)]))
+    assert said.code == BUT_FOR
+    assert said.lines[0] == "trusted but for boom.damping"
+    assert "2.0 times the noise of boom_resolver and correlated (0.60)" in said.doubts["boom.damping"]
+    assert verdict(result_with([left(2.0, 0.1)])).code == TRUSTED
+    assert verdict(result_with([left(1.2, 0.6)])).code == TRUSTED
+
+
+def test_a_withheld_interval_is_a_doubt_and_most_of_them_are_no_trust():
+    result = result_with(withheld=True)
+    assert list(verdict(result).doubts) == ["boom.damping"]
+    result.estimates = {key: e._replace(withheld=True) for key, e in result.estimates.items()}
+    said = verdict(result)
+    assert said.code == NOT_TRUSTED
+    assert "3 of 3 intervals are withheld" in said.lines[1]
+
+
+def test_what_is_impossible_or_failed_or_loose_is_a_doubt():
+    result = result_with(warning="the data cannot tell it")
+    result.impossible, result.failed = ["hose.inertance"], {"damping_stick": ("stick.damping",)}
+    assert set(verdict(result).doubts) == {"boom.damping", "hose.inertance", "stick.damping"}
+
+
+def test_linear_estimates_alone_are_not_trusted():
+    result = result_with()
+    result.refined = []
+    assert verdict(result).lines[:2] == ["not trusted", "linear estimates alone: no residual was tested"]
+
+
+def signal(wrong):
+    measured = np.linspace(0.0, 1.0, 101)
+    return Signal("boom", "angle", "rad", measured, measured + wrong)
+
+
+def test_a_held_out_record_that_is_missed_is_no_trust():
+    assert over_limit([signal(0.01)]) == []
+    said = verdict(result_with(), [("validation", [signal(0.03)])])
+    assert said.code == NOT_TRUSTED
+    assert said.lines[1] == "validation: boom angle is 3.0 % off, limit 2 %"
+
+
+def test_one_record_that_contradicts_all_others_is_a_stranger_and_two_are_a_model_that_lacks_something():
+    good, bad = [left(1.0, 0.0)], [left(40.0, 0.9)]
+    records = {"valve": good, "hose": good, "damping_swing": good, "damping_boom": bad}
+    assert data_quality.stranger(records) == "damping_boom"
+    assert data_quality.stranger({**records, "gravity": bad}) == ""
+    assert data_quality.stranger({"valve": good, "damping_boom": bad}) == ""
+
+
+@pytest.mark.parametrize("withheld", [False, True])
+def test_the_sources_of_a_machine_file_say_so(withheld, tmp_path):
+    from forest_ident.report import machine_writer
+
+    result = result_with(withheld=withheld)
+    machine_writer.write(result, "c180_hoses", tmp_path / "found.yaml", {"stick.damping": 'why "not"'})
+    text = (tmp_path / "found.yaml").read_text()
+    assert ("95 % interval withheld" in text) == withheld
+    assert "not trusted: why 'not'" in text
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["found.yaml"]

@@ -1,0 +1,39 @@
+"""YAML of strangers: what it says is returned, and whatever is wrong with it is a `yaml.YAMLError`."""
+
+import pytest
+import yaml
+
+from forest_msgs_py.interfaces.yaml_text import MOST_VALUES, parsed
+
+
+@pytest.mark.parametrize(
+    "text",
+    ["", "a", "{a: 1, b: [x, 2.5, null]}", "a: &one [1, 2]\nb: *one\nc: {<<: {d: 1}, e: 2}", "- 2026-11-24"],
+)
+def test_it_is_read_as_the_library_reads_it(text):
+    assert parsed(text) == yaml.safe_load(text)
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("a: [", "expected"),
+        ("[" * 5000, "nested too deeply"),
+        ("2026-99-99", "month must be"),
+        ("&a [*a]", "or for themselves"),
+        ("a: &a {b: *a}", "or for themselves"),
+        ("a: 1\n---\nb: 2", "expected a single document"),
+        ("!!python/object/apply:os.getcwd []", "could not determine a constructor"),
+    ],
+)
+def test_what_is_wrong_is_told(text, said):
+    with pytest.raises(yaml.YAMLError, match=said):
+        parsed(text)
+
+
+def test_aliases_may_stand_for_a_million_values_and_no_more():
+    row = "a: &a [" + ", ".join(["x"] * 998) + "]\nb: ["
+    fits = row + ", ".join(["*a"] * 900) + "]"
+    assert len(parsed(fits)["b"]) == 900
+    with pytest.raises(yaml.YAMLError, match=f"more than {MOST_VALUES} values"):
+        parsed(row + ", ".join(["*a"] * 1100) + "]")
