@@ -1,6 +1,6 @@
 """How much faster than real time the closed loop runs: compiled, and interpreted beside it, in the same run.
 
-The work is the five paths of `forest-study track` at 0.5 m/s: full plant (`c180`), sensor noise, controller,
+The work is the five paths of `forest-study track` at 0.5 m/s: full plant (`c180_hoses`), sensor noise, controller,
 driver. Both loops give the same figures. Times are CPU time of one thread; planning a path, which all its
 runs share, is told apart. With `--runs` also many drawn machines over all cores.
 """
@@ -29,7 +29,7 @@ from forest_study.tracking.paths import NAMES, path_named
 from forest_study.tracking.track_runs import Variation, run_many
 from forest_study.tracking.tracking import Course
 
-C180 = load_machine("c180")
+C180 = load_machine("c180_hoses")
 DRIVE = valve_driver_parameters.Settings(adapt=True)
 HEAD = (
     "| path | simulated, s | compiled, × real time | with set-up and noise "

@@ -60,14 +60,14 @@ class Law(NamedTuple):
 
 def plant() -> Law:
     """Return the plant's step: three axes with open valves, energy not accounted."""
-    p = plant_parameters(load_machine("c180"))
+    p = plant_parameters(load_machine("c180_hoses"))
     start = equilibrium((0.0, 0.5, -1.5), p)
     return Law(step, "state = step(state, inputs[0], dt, p)", start, ((3.0, -2.0, 2.5),), p, 1e-3)
 
 
 def kinematics() -> Law:
     """Return the joint angles nearest to a pose, from the tip's position."""
-    links = load_machine("c180").manipulator.links
+    links = load_machine("c180_hoses").manipulator.links
     call = "state = step(inputs[0], state, p)"
     return Law(nearest_pose, call, (0.3, 0.5, -1.4), ((5.0, 1.0, 0.5),), links, 0.0)
 

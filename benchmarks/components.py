@@ -77,7 +77,7 @@ def _with_constants(value: Any, path: str, parts: tuple[str, ...], names: dict[s
 
 
 def measure(seconds: float, repeats: int) -> list[Row]:
-    """Return rows for the whole kernel, for it without each component and without all, and for `c180`."""
+    """Return rows for the whole kernel, for it without each component and without all, and for `c180_hoses`."""
     voltages = np.ascontiguousarray(benchmark.step_voltages(benchmark.make("open", seconds), STEPS))
     every = [part for parts in COMPONENTS.values() for part in parts]
     whole = kernel_without(())
@@ -85,7 +85,7 @@ def measure(seconds: float, repeats: int) -> list[Row]:
         "c180_thesis": _runner(whole, "c180_thesis", voltages),
         **{n: _runner(kernel_without(parts), "c180_thesis", voltages) for n, parts in COMPONENTS.items()},
         "all of them": _runner(kernel_without(every), "c180_thesis", voltages),
-        "c180": _runner(whole, "c180", voltages),
+        "c180_hoses": _runner(whole, "c180_hoses", voltages),
     }
     for _ in range(repeats):
         for piece in range(len(voltages) // (PIECE * STEPS)):
@@ -95,7 +95,7 @@ def measure(seconds: float, repeats: int) -> list[Row]:
     per_step = {name: 1e9 * sum(r.best) / len(voltages) for name, r in runners.items()}
     thesis = per_step["c180_thesis"]
     return [
-        {"what": name, "ns_per_step": ns, "ratio": ns / thesis if name == "c180" else thesis / ns}
+        {"what": name, "ns_per_step": ns, "ratio": ns / thesis if name == "c180_hoses" else thesis / ns}
         for name, ns in per_step.items()
     ]
 
@@ -131,9 +131,9 @@ def table(rows: Iterable[Row]) -> Iterable[str]:
     for row in rows:
         if row["what"] == "c180_thesis":
             what, cost = "`c180_thesis`", ""
-        elif row["what"] == "c180":
+        elif row["what"] == "c180_hoses":
             what, cost = (
-                "`c180`, with relief, spool lag, end stops, pump",
+                "`c180_hoses`, with relief, spool lag, end stops, pump",
                 f"{row['ratio']:.2f} × the first",
             )
         else:

@@ -56,7 +56,7 @@ def drawn(machine: Machine, generator: np.random.Generator) -> Machine:
 
 def trial(seed: int, names: tuple[str, ...] = EXPERIMENTS) -> Trial:
     """Return (estimate - truth)/standard error of every parameter that one simulated session tells."""
-    start = load_machine("c180")
+    start = load_machine("c180_hoses")
     truth = drawn(start, np.random.default_rng([seed, 95]))
     sessions = [experiment(name, truth, seed=seed) for name in names]
     found = identify(start, sessions).estimates

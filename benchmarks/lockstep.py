@@ -60,8 +60,8 @@ def measured(steps: int, out: Path) -> tuple[dict[str, float], float]:
     """Run the graph; return each node's processor time [s], and times as fast as live."""
     nodes = [
         graph.joystick("thesis", 86400.0, 0),
-        *graph.control("c180", "coordinated", shadow=False, describe=False),
-        graph.simulator("c180"),
+        *graph.control("c180_hoses", "coordinated", shadow=False, describe=False),
+        graph.simulator("c180_hoses"),
         graph.recorder(out / "bag"),
     ]
     watch = Watch()

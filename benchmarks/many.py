@@ -1,6 +1,6 @@
 """How `simulate_many` grows with the cores: many machines against one, in the same run.
 
-Every job is a `c180` of its own (a drawn head mass) under a chirp, with its energy account. One worker does a
+Every job is a `c180_hoses` of its own (a drawn head mass) under a chirp, with its energy account. One worker does a
 share of the jobs before, and the same share after the rest. By the clock, neighbours on the machine count
 against the many; by CPU time, that of starting the workers included, only what the jobs cost each other.
 """
@@ -30,7 +30,7 @@ Row = dict[str, Any]
 
 def jobs(count: int) -> list[Job]:
     """Return jobs with drawn machines."""
-    machine = load_machine("c180")
+    machine = load_machine("c180_hoses")
     crane, chirp = machine.manipulator, voltage_profiles.chirp(4.0, 0.1, 3.0)
     draws = np.random.default_rng(3).uniform(0.5, 1.5, count).tolist()
     return [

@@ -44,7 +44,7 @@ from forest_study.closed_loop.loop_core import SUBSTEPS
 from forest_study.tracking.tracking import noisy
 
 Floats = NDArray[np.float64]
-MACHINES = ("c180", "loader")
+MACHINES = ("c180_hoses", "loader")
 STREAM = 77  # of a motion's draws; a sensor suite's are others
 BEFORE, AFTER, JUDGED = 20, 300, 100  # periods at rest, recorded after the release, judged for the way
 SLOW = 0.05  # [m/s] a tenth of 0.5 m/s

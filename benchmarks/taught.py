@@ -27,7 +27,7 @@ from forest_study.tracking.taught_loop import TaughtLoop, cross_track
 from forest_study.tracking.tracking import noisy
 
 START, SECONDS, SETTLE = (5.5, 0.0, 0.8), 9.0, 0.5
-C180 = load_machine("c180")
+C180 = load_machine("c180_hoses")
 HEAVY = dataclasses.replace(C180.manipulator, head_mass=2.0 * C180.manipulator.head_mass)
 ROWS = {
     "exact sensors": {},

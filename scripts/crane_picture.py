@@ -206,7 +206,7 @@ def svg(machine: Machine) -> str:
 def main() -> None:
     """Write the picture into the file that is named, by default docs/pictures/crane.svg."""
     out = Path(sys.argv[1]) if len(sys.argv) > 1 else OUTPUT
-    out.write_text(svg(load_machine("c180")), "utf-8")
+    out.write_text(svg(load_machine("c180_hoses")), "utf-8")
 
 
 if __name__ == "__main__":

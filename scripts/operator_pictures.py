@@ -29,7 +29,7 @@ from forest_description.geometry.kinematics import inverse_kinematics
 from forest_description.machine import load_machine
 
 OUTPUT = Path(__file__).resolve().parents[1] / "docs" / "pictures" / "operator.png"
-CRANE = load_machine("c180")
+CRANE = load_machine("c180_hoses")
 WALLS = load_workspace("c180")
 PROFILES = ("exact", "default", "operator", "fine")
 BOOM = 1  # its lever

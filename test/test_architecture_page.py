@@ -78,7 +78,7 @@ def is_in_order(wanted, calls):
 def crane(monkeypatch):
     """A machine whose steps are interpreted, driven for a while with the levers off centre."""
     monkeypatch.setattr("forest_sim.simulation.simulated_machine.ready_advance", lambda: None)
-    machine = load_machine("c180")
+    machine = load_machine("c180_hoses")
     return Crane(machine)
 
 

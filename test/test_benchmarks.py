@@ -165,7 +165,7 @@ def test_lockstep_s_table_counts_the_steps_between_two_runs(benchmark):
 
 def test_a_random_motion_that_is_let_go_is_judged_and_told(benchmark):
     stopping = benchmark("stopping")
-    ended = stopping.stops("c180", stopping.ROWS["exact"], 3)
+    ended = stopping.stops("c180_hoses", stopping.ROWS["exact"], 3)
     assert all(0.0 < stop.time <= stopping.WITHIN and stop.way < 0.070 for stop in ended)
     seconds, way, beside, rocks = stopping.cells(ended)
     assert [text.count("/") for text in (seconds, way, beside)] == [2, 2, 2]
@@ -175,7 +175,7 @@ def test_a_random_motion_that_is_let_go_is_judged_and_told(benchmark):
 
 def test_a_random_motion_that_is_stopped_at_once_goes_less_far(benchmark):
     stopping = benchmark("stopping")
-    ended = stopping.stops("c180", stopping.ROWS["emergency"], 3)
+    ended = stopping.stops("c180_hoses", stopping.ROWS["emergency"], 3)
     assert all(stop.shut == 0.0 and stop.way < 0.045 and stop.beside < 0.025 for stop in ended)
     assert any(stop.later > stopping.SLOW for stop in ended)
 
@@ -223,6 +223,6 @@ def test_every_codec_is_measured_on_the_same_bytes(benchmark):
 @pytest.mark.parametrize("shape", ["random", "slams", "squares"])
 def test_the_energy_benchmark_closes_on_the_crane_as_it_is_built(benchmark, shape):
     energy = benchmark("energy")
-    total, failed = energy.run("c180_real", getattr(energy, shape), 5.0)
+    total, failed = energy.run("c180", getattr(energy, shape), 5.0)
     assert failed == 0
     assert abs(energy.unaccounted(total)) < 0.005 * total.engine

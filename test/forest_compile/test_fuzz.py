@@ -171,7 +171,7 @@ def counted(law, machine_law, draws):
     return agreed
 
 
-@pytest.mark.parametrize("name", ["c180", "c180_real", "c180_thesis", "forwarder", "loader"])
+@pytest.mark.parametrize("name", ["c180_hoses", "c180", "c180_thesis", "forwarder", "loader"])
 def test_the_plant_at_random_states_is_pythons_to_the_last_bit(name):
     rng, p = random.Random(name), plant_parameters(load_machine(name))
     start, advance = equilibrium((0.0, 0.5, -1.5), p), compiled_plant.compiled_advance()
@@ -212,7 +212,7 @@ def test_a_step_at_random_states_is_pythons_to_the_last_bit(kept, step, example)
 
 
 def test_the_loop_at_random_states_is_pythons_to_the_last_bit():
-    machine, rng = load_machine("c180"), random.Random(6)
+    machine, rng = load_machine("c180_hoses"), random.Random(6)
     suite, settings = (
         sensor_suite(machine, noise=True),
         (controller_settings.Settings(), valve_driver_parameters.Settings()),

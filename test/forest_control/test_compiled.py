@@ -18,7 +18,7 @@ from forest_control.valve import valve_driver, valve_driver_parameters
 from forest_description.machine import load_machine
 
 DT = 0.005
-MACHINES = "c180", "c180_thesis", "c180_real"
+MACHINES = "c180_hoses", "c180_thesis", "c180"
 
 
 def walk(seed, count, low, high):
@@ -84,7 +84,7 @@ def test_the_drivers_step_is_the_interpreted_one(machine, adapt):
 
 def test_a_state_stays_what_it_was_when_the_step_moves_on():
     compiled.DRIVER.kernel()
-    p = valve_driver_parameters.parameters(load_machine("c180"), valve_driver_parameters.Settings())
+    p = valve_driver_parameters.parameters(load_machine("c180_hoses"), valve_driver_parameters.Settings())
     step, unseen = compiled.driver_step(), (valve_driver.UNSEEN, valve_driver.STILL)
     first, _ = step(valve_driver.REST, (1.0, 0.0, 0.0), *unseen, p, DT)
     second, volts = step(first, (2.0, 0.0, 0.0), *unseen, p, DT)

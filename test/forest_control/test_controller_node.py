@@ -122,14 +122,16 @@ def test_without_a_joystick_it_commands_zero_and_tells_where_the_tip_is(rig, pee
     peer.until(lambda: r.standing(20) and poses and wishes)
     assert all(volts(message) == (0.0, 0.0, 0.0) for message in r.commands)
     tip = poses[0].pose.position
-    assert (tip.x, tip.y, tip.z) == pytest.approx(tip_position(ANGLES, load_machine().manipulator.links))
+    assert (tip.x, tip.y, tip.z) == pytest.approx(
+        tip_position(ANGLES, load_machine("c180_hoses").manipulator.links)
+    )
     turn = poses[0].pose.orientation
     assert (turn.x, turn.y, turn.z, turn.w) == pytest.approx(tip_orientation(ANGLES))
     assert wishes[-1].twist.linear.y == 0.0
 
 
 def test_where_the_tip_is_comes_from_the_cylinders_of_the_same_stamp(rig, peer):
-    poses, r, machine = peer.hear(topics.TIP_POSE), rig(), load_machine()
+    poses, r, machine = peer.hear(topics.TIP_POSE), rig(), load_machine("c180_hoses")
     actuators, true = peer.speak(topics.ACTUATOR_STATES), (ANGLES[0], ANGLES[1] + 0.01, ANGLES[2] - 0.02)
     lengths = [cylinder_length(true[i + 1], machine.linkages[i]) for i in (0, 1)]
 
@@ -290,8 +292,8 @@ def test_a_trouble_comes_as_a_diagnostic(rig, peer):
 
 
 def test_a_load_beyond_the_capacity_holds_the_tip_and_is_told(rig, peer):
-    crane, heard = load_machine("c180_real"), peer.hear(topics.DIAGNOSTICS)
-    r = rig("-p", "machine:=c180_real")
+    crane, heard = load_machine("c180"), peer.hear(topics.DIAGNOSTICS)
+    r = rig("-p", "machine:=c180")
     loads, force = peer.hear(topics.TIP_LOAD), [3.6e5]  # [N] of the boom's cylinder: some 2 t
     labels = topics.PRESSURES.labels
     seen = [0.0] * len(labels)

@@ -17,7 +17,7 @@ from forest_msgs_py.interfaces.messages import joint_state, ns_to_stamp
 from forest_msgs_py.serialization.cdr import to_cdr
 from forest_msgs_py.types import NS_PER_S, PERIOD
 
-START = pose_at(start_tip(load_machine("c180")), load_machine("c180"))
+START = pose_at(start_tip(load_machine("c180_hoses")), load_machine("c180_hoses"))
 STALL = 0.3  # [s] beyond the state's timeout
 
 

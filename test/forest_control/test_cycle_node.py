@@ -137,7 +137,7 @@ def test_the_controllers_inputs_read_what_the_node_says(running):
 
     clock = HandClock()
     clock.lockstep = False
-    inputs = ControllerInputs(clock, load_machine("c180"), 9)
+    inputs = ControllerInputs(clock, load_machine("c180_hoses"), 9)
     _, values = running.clock.publisher(topics.TAUGHT_COMMAND).said[-1]
     clock.put(topics.TAUGHT_COMMAND, float_array(topics.TAUGHT_COMMAND, 1, values))
     inputs.read_taught(Controller())

@@ -44,7 +44,9 @@ def volts(message):
 
 
 def compensated(measured=valve_driver.UNSEEN, values=COMMAND, **settings):
-    p = valve_driver_parameters.parameters(load_machine(), Settings(**{"beyond_valve": False, **settings}))
+    p = valve_driver_parameters.parameters(
+        load_machine("c180_hoses"), Settings(**{"beyond_valve": False, **settings})
+    )
     return valve_driver.step(valve_driver.REST, values, measured, valve_driver.STILL, p, 0.005)[1]
 
 
@@ -150,7 +152,7 @@ def test_one_transducer_gone_brings_the_nominal_drop_back_and_the_supplys_the_no
 
     peer.repeat(topics.PRESSURES, pressures)
     peer.repeat(topics.SUPPLY, lambda now: sensor_array(topics.SUPPLY, now, (math.nan, 1e-3, 0.2)))
-    nominal = load_machine().pump.supply_pressure
+    nominal = load_machine("c180_hoses").pump.supply_pressure
     loaded = compensated(Pressures((0.0, 9e6, 0.0), (0.0, 2e6, 0.0), nominal))
     assert loaded[1] != pytest.approx(compensated()[1], rel=1e-2)
     peer.until(lambda: r.at(loaded))
@@ -341,7 +343,7 @@ def test_it_tells_what_it_knows_of_its_valves(rig, peer):
     assert reading.problem == ""
     known = dict(zip(topics.VALVE_DRIVER_STATUS.labels, reading.values, strict=True))
     assert (known["swing_saturated"], known["boom_saturated"]) == (0.0, 1.0)
-    assert known["stick_backward_deadband"] == load_machine().valve.deadband_voltage
+    assert known["stick_backward_deadband"] == load_machine("c180_hoses").valve.deadband_voltage
     assert known["boom_forward_gain"] == 1.0
     assert known["boom_forward_deadband_spread"] > 0.0
 

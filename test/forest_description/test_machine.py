@@ -28,13 +28,13 @@ from forest_description.export.machine_numbers import declared
 from forest_description.machine import EndStops, Machine, load_machine, sources
 
 GALLON_PER_MINUTE, RPM = UNITS["gal/min"].factor, UNITS["rpm"].factor
-MACHINE, THESIS = load_machine(), load_machine("c180_thesis")
+MACHINE, THESIS = load_machine("c180_hoses"), load_machine("c180_thesis")
 
 
 def test_four_machines_are_shipped_and_c180_is_the_default():
-    assert shipped_machines() == ["c180", "c180_real", "c180_thesis", "forwarder", "loader"]
-    assert load_machine("c180") == MACHINE
-    assert (MACHINE.name, THESIS.name) == ("c180", "c180_thesis")
+    assert shipped_machines() == ["c180_hoses", "c180", "c180_thesis", "forwarder", "loader"]
+    assert load_machine("c180_hoses") == MACHINE
+    assert (MACHINE.name, THESIS.name) == ("c180_hoses", "c180_thesis")
 
 
 def test_c180_adds_to_the_thesis_machine_only_what_its_file_says():
@@ -162,7 +162,7 @@ def numbers(part, prefix=""):
             yield prefix + field.name
 
 
-@pytest.mark.parametrize("machine", [MACHINE, THESIS], ids=["c180", "thesis"])
+@pytest.mark.parametrize("machine", [MACHINE, THESIS], ids=["c180_hoses", "thesis"])
 def test_sources_list_every_number_of_the_machine_and_each_is_declared(machine):
     keys = [row.key for row in sources(machine.name)]
     assert len(keys) == len(set(keys))

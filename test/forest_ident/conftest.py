@@ -29,7 +29,7 @@ DRAWN = {
 @pytest.fixture(scope="session")
 def unknown_machine():
     """The shipped crane with some parameters that the estimators are not told."""
-    machine = load_machine("c180")
+    machine = load_machine("c180_hoses")
     drawn = with_values(machine, {key: share * value_of(machine, key) for key, share in DRAWN.items()})
     return dataclasses.replace(drawn, name="unknown")
 

@@ -11,7 +11,7 @@ from forest_description.machine import load_machine
 from forest_msgs_py.interfaces import topics
 from forest_msgs_py.interfaces.messages import float_array, joint_state, read_float_array
 
-C180 = load_machine("c180")
+C180 = load_machine("c180_hoses")
 START = pose_at(start_tip(C180), C180)
 BEYOND = (START[0], 1.25, START[2])  # [rad] the boom, near its cylinder's end
 ZERO = (0.0, 0.0, 0.0)  # [V]

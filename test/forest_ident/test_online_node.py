@@ -12,7 +12,7 @@ from forest_msgs_py.interfaces.topic_qos import qos
 
 
 def test_labels_are_those_of_the_topic():
-    p = online_estimator.parameters(load_machine("c180"))
+    p = online_estimator.parameters(load_machine("c180_hoses"))
     assert len(online_estimator.report(online_estimator.initial(p))) == len(topics.IDENTIFICATION.labels)
 
 
@@ -37,5 +37,5 @@ def test_it_tells_what_it_believes_while_the_joints_come(peer, start_node):
     labels = ("boom_deadband_forward", "boom_damping")
     edge, damping = read_float_array(topics.IDENTIFICATION, heard[-1], 0, labels).values
     assert edge == pytest.approx(1.0)
-    assert math.isclose(damping, load_machine("c180").boom.damping)
+    assert math.isclose(damping, load_machine("c180_hoses").boom.damping)
     assert process.poll() is None

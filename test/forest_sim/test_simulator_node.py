@@ -22,7 +22,7 @@ from forest_msgs_py.interfaces import topics
 from forest_msgs_py.interfaces.messages import float_array, read_float_array, stamp_to_ns
 from forest_sim.sensors.sensor_suite import CHANNELS, sensor_suite
 
-MACHINE = load_machine()
+MACHINE = load_machine("c180_hoses")
 PERIOD_NS = 5_000_000
 CATCH_UP = 20  # periods that a late machine still makes up for
 MARGIN = 0.5  # [s] for a busy machine, beside the timeouts

@@ -17,7 +17,7 @@ from forest_description.machine import load_machine
 from forest_description.types import AXES
 from forest_station.scene.scene_description import scene_of
 
-C180 = load_machine("c180")
+C180 = load_machine("c180_hoses")
 BACK = 3.0  # [px] within which a label is where it was
 STANDS = 200  # [px] of the beams' colour from which on a crane stands there
 AWAY = 20.0  # [px] from which on it is elsewhere

@@ -43,7 +43,7 @@ class Graph:
         self.description = publisher(node, topics.ROBOT_DESCRIPTION)
         self.texts = node.create_publisher(String, "texts", 10)
         self._ear = subscription(node, topics.EMERGENCY_STOP, lambda said: self.stops.append(said.data))
-        self.description.publish(String(data=robot_description(load_machine("c180"))))
+        self.description.publish(String(data=robot_description(load_machine("c180_hoses"))))
 
     @staticmethod
     def _mark(_request, response):
@@ -126,7 +126,7 @@ def test_each_client_gets_what_was_latched_before_it_came(graph, port):
                 await client.until(lambda client=client: client.messages[name])
             return first.messages[name][0].data, second.messages[name][0].data
 
-    text = robot_description(load_machine("c180"))
+    text = robot_description(load_machine("c180_hoses"))
     assert asyncio.run(session()) == (text, text)
 
 

@@ -12,7 +12,7 @@ UP, DOWN = 0.03, 0.02
 ENGINE = Engine(inertia=2.0, droop=0.1, torque=400.0, stall_speed=84.0)
 TANK_LINE = TankLine(preload=2e5, resistance=4.5e10, capacitance=1.5e-11)
 SWASHED = {"stroke_up_time": UP, "stroke_down_time": DOWN}
-C180 = load_machine("c180")
+C180 = load_machine("c180_hoses")
 assert set(PUMPS) > {"compensated", "load sensing"}
 
 

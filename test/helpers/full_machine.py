@@ -30,7 +30,7 @@ from forest_sim.hydraulics.supply import SupplyState
 from forest_sim.solver.compiled_plant import compiled_advance
 from forest_sim.solver.integrator import ports_of
 
-C180 = load_machine("c180")
+C180 = load_machine("c180_hoses")
 START = inverse_kinematics((5.5, 0.0, 1.0), C180.manipulator.links)
 PRESSURE = C180.pump.supply_pressure
 SHARED = {field.name: getattr(C180.pump, field.name) for field in dataclasses.fields(ConstantFlowPump)}

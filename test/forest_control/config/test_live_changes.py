@@ -18,7 +18,7 @@ from forest_description.geometry.kinematics import inverse_kinematics, tip_posit
 from forest_description.machine import load_machine
 from forest_description.types import ZERO
 
-MACHINE = load_machine()
+MACHINE = load_machine("c180_hoses")
 LINKS = MACHINE.manipulator.links
 PERIOD = 0.005
 START = inverse_kinematics((5.5, 0.0, 1.0), LINKS)

@@ -38,7 +38,7 @@ def test_the_exact_profile_is_what_studies_assume_and_the_default_has_a_deadzone
 
 def shaped_by(name, *levers):
     settings = settings_with(load_profile(name))
-    return shaped(Levers(*levers), parameters(load_machine(), settings).profile)
+    return shaped(Levers(*levers), parameters(load_machine("c180_hoses"), settings).profile)
 
 
 @pytest.mark.parametrize("name", ["default", "fine", "operator"])

@@ -22,7 +22,7 @@ from forest_sim.sensors.sensor_suite import sensor_suite
 from forest_sim.simulation.load import Load, loaded
 from forest_study.closed_loop.closed_loop import ClosedLoop, Operator
 
-REAL, C180 = load_machine("c180_real"), load_machine("c180")
+REAL, C180 = load_machine("c180"), load_machine("c180_hoses")
 HEAVY, TIP = 1300.0, (6.5, 0.0, -1.0)  # 1.13 of what is allowed there
 OUT, UP, DOWN, IN, ASIDE = (
     (0.5, 0.0, 0.0),

@@ -30,7 +30,7 @@ from forest_sim.simulation.load import Load, loaded
 from forest_sim.solver.equilibrium import equilibrium
 from forest_study.closed_loop.closed_loop import ClosedLoop, Operator
 
-REAL = load_machine("c180_real")
+REAL = load_machine("c180")
 STROKES = ((0.0, 0.0, 0.2), (0.0, 0.0, -0.2), (0.2, 0.0, 0.0), (-0.2, 0.2, 0.0))  # [m/s] of the tip
 
 
@@ -54,14 +54,14 @@ def slow_motion(name, mass, tip, seed):
 @pytest.mark.parametrize(
     ("name", "mass", "within"),
     # Of the log; of a light one, of all that is at the tip: the head is weighed along with it.
-    [("c180", 500.0, 0.05 * 500.0), ("c180_real", 1000.0, 0.05 * 1000.0), ("c180_real", 0.0, 0.05 * 700.0)],
+    [("c180_hoses", 500.0, 0.05 * 500.0), ("c180", 1000.0, 0.05 * 1000.0), ("c180", 0.0, 0.05 * 700.0)],
 )
 def test_in_slow_motion_the_load_is_weighed_within_five_per_cent(name, mass, within, tip):
     told = slow_motion(name, mass, tip, seed=int(10.0 * tip[0]))
     assert abs(told - mass).max() < within
 
 
-@pytest.mark.parametrize("name", ["c180", "c180_real", "forwarder", "loader"])
+@pytest.mark.parametrize("name", ["c180_hoses", "c180", "forwarder", "loader"])
 def test_a_machine_that_stands_is_weighed_exactly_by_exact_sensors(name):
     machine, rng = load_machine(name), np.random.default_rng(3)
     far = machine.manipulator.links.boom + machine.manipulator.links.stick

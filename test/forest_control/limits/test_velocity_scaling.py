@@ -146,7 +146,7 @@ def test_the_pumps_flow_is_shared_without_turning():
 
 @pytest.mark.parametrize("sign", [-1.0, 1.0], ids=["retracts", "extends"])
 def test_a_cylinder_is_allowed_its_approach_rate_times_the_stroke_that_is_left(sign):
-    linkage = load_machine("c180").linkages[0]
+    linkage = load_machine("c180_hoses").linkages[0]
     ends = cylinder_length(P.lower[1], linkage), cylinder_length(P.upper[1], linkage)
     p = P._replace(rates=(math.inf,) * 3, strokes=(NO_STROKE, Stroke(linkage, *ends), NO_STROKE))
     fast = 1000.0  # [rad/s] far over what is allowed, where no corner is rounded
@@ -158,7 +158,7 @@ def test_a_cylinder_is_allowed_its_approach_rate_times_the_stroke_that_is_left(s
 
 
 def test_outside_its_stroke_a_cylinder_may_only_come_back():
-    linkage = load_machine("c180").linkages[0]
+    linkage = load_machine("c180_hoses").linkages[0]
     stroke = Stroke(linkage, cylinder_length(P.lower[1], linkage), cylinder_length(P.upper[1], linkage))
     p = P._replace(strokes=(NO_STROKE, stroke, NO_STROKE))
     beyond = (0.0, P.upper[1] + 0.02, -1.5)
@@ -200,7 +200,7 @@ def test_slower_than_a_creep_nothing_goes_towards_a_limit(joint):
 
 def test_near_its_dead_point_a_cylinder_counts_by_its_angle():
     """There little stroke turns the joint far, and beyond it the other way."""
-    linkage = load_machine("c180").linkages[0]
+    linkage = load_machine("c180_hoses").linkages[0]
     p = P._replace(rates=(math.inf,) * 3, upper=(2.0, 9.0, -0.8), approach=(1.0, 1.0, 1.0))
     p = p._replace(strokes=(NO_STROKE, Stroke(linkage, 0.1, 9.0), NO_STROKE))
     dead = math.pi - linkage.angle_offset
@@ -258,7 +258,7 @@ def test_a_tip_that_may_go_as_near_the_swing_axis_as_it_likes_is_not_held():
 
 @pytest.mark.parametrize(("joint", "sign"), list(itertools.product(range(3), (-1.0, 1.0))))
 def test_each_actuator_takes_the_oil_of_its_own_inlet(joint, sign):
-    machine = load_machine("c180")
+    machine = load_machine("c180_hoses")
     areas = [displacements(machine, axis) for axis in range(3)]
     areas[0] = areas[0][0], 3.0 * areas[0][1]  # no motor is so, and nobody shall mind
     pumps = Pumps(1.0, *zip(*areas, strict=True), machine.linkages)

@@ -22,7 +22,7 @@ from forest_control.operator.operator_profile import rate_mode_velocity
 from forest_description.machine import load_machine
 from forest_msgs_py.interfaces.topics import JOY_AXES, JOY_BUTTONS
 
-MACHINE = load_machine()
+MACHINE = load_machine("c180_hoses")
 
 
 def wish(levers, speed):

@@ -10,7 +10,7 @@ from forest_control.operator.levers import Levers
 from forest_control.operator.operator_profile import Frame, curve, rate_mode_velocity, shaped
 from forest_description.machine import load_machine
 
-MACHINE = load_machine()
+MACHINE = load_machine("c180_hoses")
 DEFLECTIONS = np.linspace(-1.0, 1.0, 4001)
 CURVES = [(0.0, 0.0), (0.1, 0.0), (0.0, 1.0), (0.3, 0.7), (0.5, 1.0)]
 

@@ -22,7 +22,7 @@ from forest_description.geometry.kinematics import tip_position, tip_velocity
 from forest_description.machine import load_machine
 from forest_description.types import ZERO
 
-MACHINE = load_machine()
+MACHINE = load_machine("c180_hoses")
 LINKS = MACHINE.manipulator.links
 PERIOD = 0.005
 MIDDLE = (0.2, 0.4, -1.5)

@@ -52,7 +52,7 @@ def test_a_joint_that_would_turn_round_is_not_commanded():
 
 def stop_of(away):
     """The stop as the deadman is let go in motion, the joints off their reference by some [rad]."""
-    p = controller_settings.parameters(load_machine("c180"), controller_settings.Settings())
+    p = controller_settings.parameters(load_machine("c180_hoses"), controller_settings.Settings())
     rates, wish = (0.05, 0.02, -0.03), (0.1, 0.2, -0.1)
     reference = tuple(angle + off for angle, off in zip(POSE, away, strict=True))
     memory = coordinated_servo.in_motion(wish, rates, coordinated_servo.MOST_SAMPLES)

@@ -15,7 +15,7 @@ from forest_description.machine import load_machine
 from forest_msgs_py.interfaces import topics
 from forest_msgs_py.interfaces.messages import float_array
 
-C180 = load_machine("c180")
+C180 = load_machine("c180_hoses")
 LOADER = load_machine("loader")
 DEADBAND = C180.valve_of(0).law.forward.deadband_voltage
 COMMAND, SHUT = (0.0, 2.0, 0.0), (0.0, 0.0, 0.0)

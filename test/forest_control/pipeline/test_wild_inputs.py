@@ -16,7 +16,7 @@ from forest_control.valve import valve_driver, valve_driver_parameters
 from forest_control.valve.valve_driver import Pressures
 from forest_description.machine import load_machine
 
-MACHINE = load_machine()
+MACHINE = load_machine("c180_hoses")
 RATED = 10.0  # [V]
 
 

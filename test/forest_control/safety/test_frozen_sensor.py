@@ -9,7 +9,7 @@ from forest_control.safety.frozen_sensor import MOVING, Stillness, frozen, watch
 from forest_description.machine import load_machine
 from forest_description.types import AXES
 
-P = controller_settings.parameters(load_machine("c180"), controller_settings.Settings())
+P = controller_settings.parameters(load_machine("c180_hoses"), controller_settings.Settings())
 DT = 0.005
 START = (0.2, 0.4, -1.5)
 every_joint = pytest.mark.parametrize("joint", range(3), ids=AXES)

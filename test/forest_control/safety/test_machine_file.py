@@ -25,7 +25,7 @@ from forest_sim.solver.oil_temperature import parameters_at
 from forest_study.closed_loop.closed_loop import ClosedLoop, Operator
 from forest_study.closed_loop.model_mismatch import Ranges, applied, draw
 
-C180 = load_machine("c180")
+C180 = load_machine("c180_hoses")
 CENTRED, BEGUN = Levers(0.0, 0.0, 0.0), 60  # [1] period from which the levers are deflected
 
 
@@ -63,7 +63,7 @@ ALL = levers_for_tip_velocity((0.2, 0.2, 0.2), 0.5)
 
 
 @pytest.mark.parametrize(
-    ("machine", "model"), [("c180", "loader"), ("c180", "forwarder"), ("forwarder", "c180")]
+    ("machine", "model"), [("c180_hoses", "loader"), ("c180_hoses", "forwarder"), ("forwarder", "c180_hoses")]
 )
 def test_another_machine_is_named_before_anything_moves(machine, model):
     (when, why), ways = driven(loop_of(load_machine(machine), load_machine(model)), ALL)
@@ -97,7 +97,7 @@ def test_a_wrong_cylinder_geometry_is_named():
 @pytest.mark.parametrize("seed", range(6))
 def test_a_machine_that_is_only_somewhat_off_is_not_taken_for_another(seed):
     """Gains within 40 %, deadbands within 0.15 V, a head of half to twice the mass, spools; or cold oil."""
-    machine = load_machine("c180" if seed % 2 else "c180_real")
+    machine = load_machine("c180_hoses" if seed % 2 else "c180")
     plant = parameters_at(machine, 275.0) if seed > 3 else applied(machine, draw(seed, Ranges()))
     loop, levers = loop_of(machine, machine, plant, seed=seed), ALL
     rng = np.random.default_rng(seed)

@@ -22,7 +22,7 @@ from forest_description.machine import load_machine
 from forest_description.types import ZERO
 from forest_msgs_py.types import PERIOD
 
-P = parameters(load_machine("c180"), Settings())
+P = parameters(load_machine("c180_hoses"), Settings())
 ANGLES, PUSHED, COMMAND = (0.2, 0.4, -1.5), Levers(0.5, 0.0, 0.0), (3.0, 0.0, 0.0)
 STATE_TIMEOUT, JOY_TIMEOUT, FROZEN_TIMEOUT = 0.1, 0.15, 10.0  # [s] as docs/safety.md tells
 PERIOD_NS = 5_000_000

@@ -11,7 +11,7 @@ from forest_description.derived.limits import joint_limits
 from forest_description.machine import load_machine
 from forest_description.types import AXES
 
-MACHINE = load_machine("c180")
+MACHINE = load_machine("c180_hoses")
 P = controller_settings.parameters(MACHINE, controller_settings.Settings(joint_margin=0.0))
 MIDDLE, ZERO = (0.2, 0.4, -1.4), (0.0, 0.0, 0.0)
 every_joint = pytest.mark.parametrize("joint", range(3), ids=AXES)

@@ -121,7 +121,7 @@ def test_the_pendulum_is_that_of_the_machine():
     )
     ratio = 30.0 / (2.0 * crane.head_mass * math.sqrt(crane.gravity))
     assert sway_parameters(hangs).damping == pytest.approx(ratio)
-    assert sway_parameters(load_machine("c180")) == SwayParameters()
+    assert sway_parameters(load_machine("c180_hoses")) == SwayParameters()
 
 
 @pytest.mark.parametrize("scheme", [Scheme.JOINT, Scheme.IK_VELOCITY])

@@ -20,7 +20,7 @@ from forest_description.machine import load_machine
 from forest_sim.mechanics.friction import friction, friction_force
 from forest_sim.mechanics.manipulator import dynamics, fold_head
 
-C180, REAL = load_machine("c180"), load_machine("c180_real")
+C180, REAL = load_machine("c180_hoses"), load_machine("c180")
 FIXED = dataclasses.replace(REAL, manipulator=dataclasses.replace(REAL.manipulator, pendulum=None))
 ARM, STILL = arm_model(REAL), (0.0, 0.0, 0.0)
 RNG = np.random.default_rng(8)

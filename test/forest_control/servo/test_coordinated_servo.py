@@ -14,7 +14,7 @@ from forest_control.servo.schemes import Gains, Scheme, Signals, coordinated
 from forest_description.geometry.kinematics import inverse_kinematics, tip_position
 from forest_description.machine import load_machine
 
-C180 = load_machine("c180")
+C180 = load_machine("c180_hoses")
 P = parameters(C180, Settings(scheme=Scheme.COORDINATED))
 LINKS = C180.manipulator.links
 START = inverse_kinematics((5.5, 0.0, 1.0), LINKS)

@@ -8,7 +8,7 @@ from forest_control.config.controller_settings import Settings, parameters, with
 from forest_control.servo.gain_rule import HIGHEST_GAIN, gains_by_rule, integral
 from forest_description.machine import load_machine
 
-C180 = load_machine("c180")
+C180 = load_machine("c180_hoses")
 
 
 def test_stiff_oil_and_quick_spools_bear_the_highest_gain_and_soft_or_slow_ones_less():

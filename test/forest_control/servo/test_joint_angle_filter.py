@@ -22,7 +22,7 @@ from forest_control.servo.schemes import Scheme
 from forest_description.geometry.linkage import cylinder_length
 from forest_description.machine import load_machine
 
-MACHINE = load_machine("c180")
+MACHINE = load_machine("c180_hoses")
 LINKAGES = MACHINE.linkages
 TRUE = (0.2, 0.4, -1.5)
 BIAS = (0.0, 0.002, -0.0015)  # [rad] of the resolvers

@@ -18,7 +18,7 @@ from forest_description.derived.limits import joint_limits
 from forest_description.machine import load_machine
 from forest_sim.mechanics.manipulator import dynamics, fold_head
 
-C180, LOADER = load_machine("c180"), load_machine("loader")
+C180, LOADER = load_machine("c180_hoses"), load_machine("loader")
 BODY = fold_head(C180.manipulator)
 CAPACITY = speed_limit_parameters(C180, axis_drivers(C180))
 
@@ -35,7 +35,7 @@ def test_inertia_about_the_swing_axis_is_the_plants():
 
 
 def test_a_head_that_hangs_weighs_on_its_joint_as_one_that_is_fixed_there():
-    real = load_machine("c180_real")
+    real = load_machine("c180")
     hanging = real.manipulator
     fixed = dataclasses.replace(real, manipulator=dataclasses.replace(hanging, pendulum=None))
     capacities = [speed_limit_parameters(one, axis_drivers(one)) for one in (real, fixed)]

@@ -18,7 +18,7 @@ from forest_description.geometry.kinematics import inverse_kinematics, tip_posit
 from forest_description.machine import load_machine
 from forest_description.types import AXES
 
-P = parameters(load_machine("c180"), Settings())
+P = parameters(load_machine("c180_hoses"), Settings())
 HERE = (5.5, 0.0, 1.0)
 POSE = inverse_kinematics(HERE, P.links)
 BESIDE = (POSE[0] + 0.3, POSE[1], POSE[2])

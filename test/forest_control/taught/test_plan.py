@@ -16,7 +16,7 @@ from forest_control.taught.tip_path import PathError
 from forest_description.geometry.kinematics import inverse_kinematics, joint_rates
 from forest_description.machine import load_machine
 
-C180 = load_machine("c180")
+C180 = load_machine("c180_hoses")
 P = parameters(C180, Settings())
 START = (5.5, 0.0, 1.0)
 

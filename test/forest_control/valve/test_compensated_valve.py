@@ -29,7 +29,7 @@ def test_what_a_compensator_leaves_the_spools_edge():
     )
     machine = replace(FORWARDER, valve=replace(FORWARDER.valve, compensator=before))
     assert metering_drop(machine, 1) == pytest.approx(0.8e6)
-    assert metering_drop(load_machine("c180"), 1) == math.inf
+    assert metering_drop(load_machine("c180_hoses"), 1) == math.inf
 
 
 @pytest.mark.parametrize("axis", [0, 1, 2])
@@ -98,7 +98,7 @@ def test_an_opening_is_learnt_from_the_return_alone(direction):
 
 
 def test_a_machine_without_compensators_has_the_bits_it_had():
-    c180 = load_machine("c180")
-    driver = parameters(c180, Settings())
+    c180_hoses = load_machine("c180_hoses")
+    driver = parameters(c180_hoses, Settings())
     assert [axis.metering_drop for axis in driver.axes] == [math.inf] * 3
     assert not np.any([flows.compensated for flows in driver.flows])

@@ -10,7 +10,7 @@ from forest_control.valve.valve_driver_parameters import Settings
 from forest_description.machine import load_machine
 
 PERIOD = 0.005
-P = valve_driver_parameters.parameters(load_machine(), Settings())
+P = valve_driver_parameters.parameters(load_machine("c180_hoses"), Settings())
 LAG = P.axes[0].spool.lag
 EDGE = P.axes[0].valve.forward.deadband_voltage
 MORE, BACK = (0.3, 0.0, 0.0), (-0.3, 0.0, 0.0)
@@ -61,7 +61,7 @@ def test_that_caution_fades():
 
 @pytest.mark.parametrize("slew", [math.inf, 1000.0])
 def test_of_commands_that_come_at_once_the_last_is_obeyed_as_if_it_had_come_alone(slew):
-    p = valve_driver_parameters.parameters(load_machine(), Settings(slew_limit=slew, adapt=True))
+    p = valve_driver_parameters.parameters(load_machine("c180_hoses"), Settings(slew_limit=slew, adapt=True))
     before, _, _ = turned(PERIOD)
     alone, volts = valve_driver.step(before, MORE, UNSEEN, STILL, p, 3.0 * PERIOD)
     crowd = before

@@ -13,7 +13,7 @@ from forest_description.machine import load_machine
 from forest_sim.hydraulics.spool_dynamics import Spool, SpoolLag, spool_after
 
 PERIOD = 0.005
-REAL = load_machine("c180_real")
+REAL = load_machine("c180")
 NEVER = math.inf
 
 

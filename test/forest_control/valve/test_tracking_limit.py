@@ -27,7 +27,7 @@ from forest_sim.sensors.sensor_readings import true_joints
 from forest_sim.solver import equilibrium, integrator
 from forest_study.closed_loop import model_mismatch
 
-C180 = load_machine("c180")
+C180 = load_machine("c180_hoses")
 AXES = axis_drivers(C180)
 CAPACITY = speed_limit_parameters(C180, AXES)
 POSE = (0.0, 0.4, -1.4)

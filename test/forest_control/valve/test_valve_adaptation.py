@@ -14,7 +14,7 @@ from forest_control.valve.valve_flow import AxisMeasurement, Yielding, opening_f
 from forest_description.components.valve_characteristic import TABLE, Curve, Direction, ValveLaw, edges
 from forest_description.machine import load_machine
 
-MACHINE = load_machine()
+MACHINE = load_machine("c180_hoses")
 P = valve_driver_parameters.parameters(MACHINE, Settings(adapt=True))
 FILE = MACHINE.valve.law
 SUPPLY = MACHINE.pump.supply_pressure
@@ -223,7 +223,7 @@ def test_a_dead_time_that_the_file_knows_is_not_learnt_as_a_wider_overlap():
 @pytest.mark.parametrize("axis", [1, 2])
 def test_the_oil_of_the_chambers_counts_as_flow(axis):
     """While a cylinder stands and its chamber's pressure rises, the valve is open by what the oil takes."""
-    real = valve_driver_parameters.parameters(load_machine("c180_real"), Settings())
+    real = valve_driver_parameters.parameters(load_machine("c180"), Settings())
     flow, law = real.flows[axis], real.axes[axis].valve
     assert (flow.oil_1, flow.oil_2) == (real.axes[axis].oil_1, real.axes[axis].oil_2)
     before = AxisMeasurement(2.0, 5e6, 5e6, 5e6, 5e6, SUPPLY, 2.0)

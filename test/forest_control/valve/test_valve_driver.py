@@ -21,7 +21,7 @@ from forest_description.components.valve_characteristic import (
 from forest_description.derived.actuator_kinematics import rated_speeds
 from forest_description.machine import load_machine
 
-MACHINE = load_machine()
+MACHINE = load_machine("c180_hoses")
 VALVE = MACHINE.valve.law
 SUPPLY = MACHINE.pump.supply_pressure
 RATED = rated_speeds(MACHINE)

@@ -14,7 +14,7 @@ from forest_control.valve.valve_hold import SHUT
 from forest_description.machine import load_machine
 from forest_description.types import AXES
 
-C180, LOADER = load_machine("c180"), load_machine("loader")
+C180, LOADER = load_machine("c180_hoses"), load_machine("loader")
 PERIOD, ZERO = 0.005, (0.0, 0.0, 0.0)
 LAG = 1.0 / (2.0 * math.pi * 12.0)  # [s] of the C-180's spools
 every_axis = pytest.mark.parametrize("axis", range(3), ids=AXES)

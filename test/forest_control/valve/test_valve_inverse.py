@@ -11,7 +11,7 @@ from forest_control.valve.valve_inverse import required_opening, spool_voltage
 from forest_description.components.valve_characteristic import opening_at, stroke
 from forest_description.machine import load_machine
 
-REAL = load_machine("c180_real")
+REAL = load_machine("c180")
 P = valve_driver_parameters.parameters(REAL, Settings())
 SUPPLY, TANK = 17e6, 6e5
 AXES = pytest.mark.parametrize("i", [0, 1, 2])

@@ -14,7 +14,7 @@ from forest_description.machine import load_machine
 
 numba = pytest.importorskip("numba")
 
-MACHINE = load_machine()
+MACHINE = load_machine("c180_hoses")
 LINKS = MACHINE.manipulator.links
 TABLE = dataclasses.replace(
     MACHINE.valve, curve=TableCurve((2.0, 5.0, 10.0), (5e13, 1e13, 1e12)), leakage_conductance=1e-13

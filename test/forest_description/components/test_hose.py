@@ -10,7 +10,7 @@ from forest_description.components.hose import BLASIUS, GeometricHose, bore_area
 from forest_description.config.parameter import MachineError
 from forest_description.machine import load_machine
 
-MACHINE = load_machine("c180")
+MACHINE = load_machine("c180_hoses")
 OIL, MEASURED = MACHINE.oil, MACHINE.hose
 FULL_FLOW = 50.0 * 231.0 * 0.0254**3 / 60.0  # 50 gal/min in m³/s
 GEOMETRIC = GeometricHose(0.01905, None, BLASIUS, FULL_FLOW)
@@ -115,9 +115,9 @@ def test_a_capacitance_under_that_of_the_oil_alone_counts_as_the_oils():
 
 @pytest.fixture
 def load(tmp_path):
-    """Load a machine from text that is laid over the c180."""
+    """Load a machine from text that is laid over the c180_hoses."""
 
-    def load_text(text, base="c180"):
+    def load_text(text, base="c180_hoses"):
         path = tmp_path / "mine.yaml"
         path.write_text(f"based_on: {base}\n{text}", "utf-8")
         return load_machine(path)

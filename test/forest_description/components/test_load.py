@@ -8,9 +8,9 @@ from forest_description.components.load import Log, Pendulum
 from forest_description.config.parameter import MachineError
 from forest_description.machine import load_machine
 
-MANIPULATOR = load_machine().manipulator
+MANIPULATOR = load_machine("c180_hoses").manipulator
 HANGING = dataclasses.replace(MANIPULATOR, pendulum=Pendulum(0.9, 60.0, 250.0))
-LOADED = """based_on: c180
+LOADED = """based_on: c180_hoses
 manipulator:
   log:
     mass: {value: 900, unit: kg, source: weighed}
@@ -24,7 +24,7 @@ manipulator:
 
 
 def test_shipped_machines_carry_nothing():
-    for name in ("c180", "c180_thesis"):
+    for name in ("c180_hoses", "c180_thesis"):
         m = load_machine(name).manipulator
         assert (m.log, m.pendulum) == (None, None)
 

@@ -9,7 +9,7 @@ import pytest
 from forest_description.config.parameter import MachineError
 from forest_description.machine import load_machine
 
-OIL = load_machine("c180").oil
+OIL = load_machine("c180_hoses").oil
 TEMPERATURES = [243.15, 273.15, 313.15, 340.0, 373.15, 393.15]
 
 

@@ -13,7 +13,7 @@ from forest_description.components.pump import (
 from forest_description.config.parameter import MachineError
 from forest_description.machine import load_machine
 
-PUMP = load_machine("c180").pump
+PUMP = load_machine("c180_hoses").pump
 SHARED = {field.name: getattr(PUMP, field.name) for field in fields(ConstantFlowPump)}
 RELIEF = PUMP.relief_pressure
 SENSING = LoadSensingPump(

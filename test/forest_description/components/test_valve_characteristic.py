@@ -29,7 +29,7 @@ def opening(voltage, law=LAW):
 
 
 def test_law_has_the_constants_of_the_machine():
-    assert load_machine("c180").valve.law == LAW
+    assert load_machine("c180_hoses").valve.law == LAW
 
 
 @pytest.mark.parametrize("voltage", [0.0, 0.5, -0.99, 1.0, -1.0, math.nan])

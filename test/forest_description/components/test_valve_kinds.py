@@ -16,7 +16,7 @@ from forest_description.components.valve_parameters import (
 from forest_description.config.parameter import MachineError
 from forest_description.machine import load_machine
 
-VALVE = load_machine("c180").valve
+VALVE = load_machine("c180_hoses").valve
 C_R = VALVE.minimum_resistance
 VOLTS, MEASURED = (1.5, 2.0, 4.0, 7.0, 10.0), (4e15, 3e14, 9e12, 2e12, 8e11)
 TABLE = replace(VALVE, curve=TableCurve(VOLTS, MEASURED))

@@ -17,7 +17,7 @@ from forest_description.config.parameter import MachineError
 from forest_description.config.schema import parameters
 from forest_description.machine import Machine, load_machine, sources
 
-C180 = load_machine("c180")
+C180 = load_machine("c180_hoses")
 IDEAL = "pump:\n  kind: ideal\n  supply_pressure: {value: 18, unit: MPa, source: x}\n"
 SENSING = """pump:
   kind: load_sensing
@@ -46,7 +46,7 @@ POLYNOMIAL = "    kind: polynomial\n    coefficients: {values: [121, -22, 1], un
 def write(tmp_path):
     """Write a machine file based on another and return its path."""
 
-    def write_text(text, base="c180", name="mine.yaml"):
+    def write_text(text, base="c180_hoses", name="mine.yaml"):
         path = tmp_path / name
         path.write_text(f"based_on: {base}\n{text}", "utf-8")
         return path

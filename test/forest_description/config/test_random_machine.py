@@ -20,7 +20,7 @@ def test_a_drawn_overlap_stays_below_the_voltages_at_which_a_valve_was_measured(
 
 
 def test_what_is_drawn_lies_within_two_fifths_and_the_rest_is_as_it_was():
-    known = {q.key: q for q in sources("c180")}
+    known = {q.key: q for q in sources("c180_hoses")}
     for key, value, unit, source, _ in sources("unknown:3"):
         was = known[key.replace(".backward.", ".")]
         assert unit == was.unit

@@ -8,7 +8,7 @@ import pytest
 from forest_description.config.parameter import MachineError
 from forest_description.machine import load_machine, sources, uncertainties
 
-BASE = "based_on: c180\n"
+BASE = "based_on: c180_hoses\n"
 PRESSURE, UNITS, RANGE = "pump.supply_pressure", "Pa, MPa, bar, psi", "100000 .. 5e+07 Pa"
 GOOD_TILT = 'platform_tilt: {value: 5, unit: deg, source: "measured"}'
 
@@ -36,7 +36,7 @@ def test_a_file_gives_only_what_differs_from_its_base(write):
     assert machine.manipulator.platform_tilt == pytest.approx(0.0872664626)
     assert machine.manipulator.head_mass == 700.0
     assert machine.name == "mine"
-    assert machine.description == load_machine("c180").description
+    assert machine.description == load_machine("c180_hoses").description
 
 
 def test_null_removes_an_optional_component(write):
@@ -162,7 +162,7 @@ def test_contradicting_values_name_file_key_and_line(write, section, line, messa
 
 def test_unknown_machine_is_answered_with_the_known_ones():
     assert complaint("c190") == (
-        "no machine named 'c190': there are c180, c180_real, c180_thesis, forwarder, loader, unknown:SEED; "
+        "no machine named 'c190': there are c180_hoses, c180, c180_thesis, forwarder, loader, unknown:SEED; "
         "a file needs its suffix (.yaml)"
     )
 

@@ -15,7 +15,7 @@ from forest_description.derived.limits import joint_limits
 from forest_description.geometry.linkage import cylinder_length
 from forest_description.machine import load_machine
 
-MACHINE, LOADER = load_machine(), load_machine("loader")
+MACHINE, LOADER = load_machine("c180_hoses"), load_machine("loader")
 
 
 def random_poses(count=100):

@@ -17,7 +17,7 @@ from forest_description.derived.bodies import (
 )
 from forest_description.machine import load_machine
 
-C180, THESIS = load_machine("c180").manipulator, load_machine("c180_thesis").manipulator
+C180, THESIS = load_machine("c180_hoses").manipulator, load_machine("c180_thesis").manipulator
 STICK = PlanarBody(7.0, 1.5, 0.2, 3.0, 5.0, 6.0, -0.7)
 
 

@@ -10,7 +10,7 @@ from forest_description.derived.limits import THESIS_START, joint_limits, pose_a
 from forest_description.geometry.kinematics import tip_position
 from forest_description.machine import load_machine
 
-MACHINE, LOADER = load_machine(), load_machine("loader")
+MACHINE, LOADER = load_machine("c180_hoses"), load_machine("loader")
 
 
 def test_joint_ranges_that_follow_from_the_strokes():
@@ -44,7 +44,7 @@ def test_a_stick_that_goes_past_straight_starts_folded():
     assert pose_at(start_tip(machine), machine)[2] == pytest.approx(0.5 * low)
 
 
-@pytest.mark.parametrize("machine", [MACHINE, wide_machine()], ids=["c180", "wide joints"])
+@pytest.mark.parametrize("machine", [MACHINE, wide_machine()], ids=["c180_hoses", "wide joints"])
 def test_workspace_limits_are_the_extremes_of_a_dense_grid_of_poses(machine):
     _, boom, stick = joint_limits(machine)
     grid = [
@@ -57,7 +57,7 @@ def test_workspace_limits_are_the_extremes_of_a_dense_grid_of_poses(machine):
     assert workspace_limits(machine) == pytest.approx(expected, abs=1e-3)
 
 
-@pytest.mark.parametrize("machine", [MACHINE, LOADER], ids=["c180", "loader"])
+@pytest.mark.parametrize("machine", [MACHINE, LOADER], ids=["c180_hoses", "loader"])
 def test_every_pose_inside_the_limits_is_found_again_from_its_tip(machine):
     low, high = np.array(joint_limits(machine)).T
     low[0], high[0] = -3.0, 3.0

@@ -10,7 +10,7 @@ from forest_description.derived.line_bandwidth import lump_frequency, lump_limit
 from forest_description.derived.temperature import at_temperature
 from forest_description.machine import load_machine
 
-C180, THESIS = load_machine("c180"), load_machine("c180_thesis")
+C180, THESIS = load_machine("c180_hoses"), load_machine("c180_thesis")
 RIGID = GeometricHose(0.01905, None, BLASIUS, 1e-3)
 
 

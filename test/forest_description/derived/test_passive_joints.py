@@ -18,7 +18,7 @@ from forest_description.derived.passive_joints import (
 )
 from forest_description.machine import load_machine
 
-MACHINE = load_machine()
+MACHINE = load_machine("c180_hoses")
 DRIVES = (MACHINE.boom, MACHINE.stick)
 
 

@@ -11,7 +11,7 @@ from forest_description.config.parameter import MachineError
 from forest_description.derived.temperature import at_temperature
 from forest_description.machine import load_machine
 
-C180, THESIS = load_machine("c180"), load_machine("c180_thesis")
+C180, THESIS = load_machine("c180_hoses"), load_machine("c180_thesis")
 OIL = C180.oil
 LEAKY = dataclasses.replace(
     C180.valve,

@@ -12,7 +12,7 @@ from forest_description.export.machine_numbers import choices, document, number,
 from forest_description.machine import Machine, load_machine
 
 ROOT = Path(__file__).parents[3]
-MACHINE, THESIS = load_machine(), load_machine("c180_thesis")
+MACHINE, THESIS = load_machine("c180_hoses"), load_machine("c180_thesis")
 
 
 def test_the_table_tells_rows_of_numbers_and_the_meaning_of_the_sort_that_is_there():

@@ -20,8 +20,8 @@ from forest_description.geometry.linkage import cylinder_length
 from forest_description.machine import load_machine
 from forest_description.urdf.robot_description import robot_description
 
-MACHINE, THESIS, LOADER = load_machine(), load_machine("c180_thesis"), load_machine("loader")
-EVERY = pytest.mark.parametrize("machine", [MACHINE, THESIS, LOADER], ids=["c180", "thesis", "loader"])
+MACHINE, THESIS, LOADER = load_machine("c180_hoses"), load_machine("c180_thesis"), load_machine("loader")
+EVERY = pytest.mark.parametrize("machine", [MACHINE, THESIS, LOADER], ids=["c180_hoses", "thesis", "loader"])
 ROBOT = ElementTree.fromstring(robot_description(MACHINE))
 
 
@@ -144,7 +144,7 @@ def test_weights_about_the_boom_pivot_are_those_of_the_thesis():
 @pytest.mark.parametrize(
     "machine",
     [MACHINE, with_manipulator(log=Log(mass=900.0, x=0.4, y=-0.3)), LOADER],
-    ids=["c180", "c180 with log", "loader"],
+    ids=["c180_hoses", "c180_hoses with log", "loader"],
 )
 def test_every_inertia_could_belong_to_a_body(machine):
     """The second moments of mass along the principal axes are not negative; not so Appendix B's."""
@@ -225,4 +225,4 @@ def test_beams_and_head_are_drawn_in_the_machine_s_own_size():
         assert numbers(boom, "size")[0] == parts.boom_length
         head = robot.find("link[@name='head']/visual/geometry/sphere")
         assert float(head.get("radius")) < 0.1 * parts.stick_length
-    assert sizes["loader"] == pytest.approx(sizes["c180"] * 2.25 / 4.118356)
+    assert sizes["loader"] == pytest.approx(sizes["c180_hoses"] * 2.25 / 4.118356)

@@ -20,7 +20,7 @@ from forest_ident.output_error.gaussian_estimate import EMPTY
 from forest_ident.refinement import data_quality, identification
 from forest_ident.refinement.result import Result
 
-C180 = load_machine("c180")
+C180 = load_machine("c180_hoses")
 
 
 @pytest.fixture(scope="module")
@@ -54,7 +54,7 @@ def bags(sessions, tmp_path_factory):
     return folder
 
 
-def fit(bags, tmp_path, capsys, *names, start="c180"):
+def fit(bags, tmp_path, capsys, *names, start="c180_hoses"):
     """Give exit code, what was printed, and what was said of errors."""
     paths = [str(bags / name) for name in names]
     code = main(["fit", *paths, "--start", start, "--linear", "--out", str(tmp_path / "found.yaml")])
@@ -70,7 +70,10 @@ def fit(bags, tmp_path, capsys, *names, start="c180"):
             "hardly_any",
             "0 backward with flow above the meter's floor; it takes 4",
         ),
-        ("another_machines", "c180 has no experiment 'valve_boom'; allowed: calibration, valve, spool_lag"),
+        (
+            "another_machines",
+            "c180_hoses has no experiment 'valve_boom'; allowed: calibration, valve, spool_lag",
+        ),
         ("without_facts", "no fact hose_axis, laminar; it takes hose_axis"),
         ("another_piece", r"a piece of 2 m; it takes the 4 m of hose\.length"),
         ("hose", "hose: the record holds 3 steady flows; it takes 4 or more"),
@@ -119,9 +122,9 @@ def test_what_cannot_be_written_is_said_before_the_fit_and_nothing_is_overwritte
 ):
     monkeypatch.setattr(identification, "identify", lambda *_args, **_options: pytest.fail("too late"))
     mine = tmp_path / "found.yaml"
-    mine.write_text("based_on: c180\n")
+    mine.write_text("based_on: c180_hoses\n")
     code, _, said = fit(bags, tmp_path, capsys, "valve", start=str(mine))
-    assert (code, mine.read_text()) == (1, "based_on: c180\n")
+    assert (code, mine.read_text()) == (1, "based_on: c180_hoses\n")
     assert "found.yaml exists already; choose another --out or remove it" in said
     for option, path in (("--out", "found.yaml/x.yaml"), ("--report", "found.yaml/report")):
         asked = ["fit", str(bags / "valve"), "--out", str(tmp_path / "new.yaml")]

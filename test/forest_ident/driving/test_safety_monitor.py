@@ -11,7 +11,7 @@ from forest_ident.experiments import experiment_plan
 from forest_ident.experiments.excitation import START
 from forest_ident.experiments.excitation import step as excite
 
-C180 = load_machine("c180")
+C180 = load_machine("c180_hoses")
 PLAN = experiment_plan.plan("damping_boom", C180)
 BOUNDS = bounds(PLAN, PLAN.programme)
 WELL = Readings(PLAN.angles, (5e6, 3e6), 20.7e6, 313.0)
@@ -53,7 +53,7 @@ def test_a_peak_that_passes_is_forgotten():
         assert not reason
 
 
-@pytest.mark.parametrize("name", ["c180", "c180_thesis", "loader"])
+@pytest.mark.parametrize("name", ["c180_hoses", "c180_thesis", "loader"])
 def test_every_start_is_within_the_bounds_of_its_experiment(name):
     machine = load_machine(name)
     for known in experiment_plan.names(machine)[1:]:

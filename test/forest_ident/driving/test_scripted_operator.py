@@ -10,7 +10,7 @@ from forest_ident.driving.safety_monitor import Readings
 from forest_ident.driving.scripted_operator import START_LIMIT, ScriptedOperator
 from forest_ident.experiments import experiment_plan
 
-C180 = load_machine("c180")
+C180 = load_machine("c180_hoses")
 PERIOD_NS = 5_000_000
 PLAN = experiment_plan.plan("damping_boom", C180, longest=5.0)
 WELL = Readings(PLAN.angles, (5e6, 3e6), 20.7e6, 313.0)

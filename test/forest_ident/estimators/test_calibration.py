@@ -14,14 +14,14 @@ from forest_ident.refinement import identification
 from forest_ident.report import machine_writer
 from forest_sim.sensors.sensor_suite import CHANNELS, sensor_suite
 
-C180 = load_machine("c180")
+C180 = load_machine("c180_hoses")
 
 
 @pytest.fixture(scope="module")
 def calibrated(tmp_path_factory):
     session = experiment("calibration", C180, seed=5)
     result = identification.identify(C180, [session], refine=False)
-    return machine_writer.write(result, "c180", tmp_path_factory.mktemp("calibration") / "mine.yaml")
+    return machine_writer.write(result, "c180_hoses", tmp_path_factory.mktemp("calibration") / "mine.yaml")
 
 
 def test_what_a_calibration_found_is_in_the_file(calibrated):

@@ -23,7 +23,7 @@ from forest_sim.sensors.sensor_suite import CHANNELS, sensor_suite
 def points_and_law(machine, session):
     points = valve_characteristic.points(session, linear_estimates.highest(machine, session))
     low = linear_estimates.floor(machine, session)
-    return points, valve_characteristic.law(points, load_machine("c180").valve, low, 1e-7)
+    return points, valve_characteristic.law(points, load_machine("c180_hoses").valve, low, 1e-7)
 
 
 def test_overlap_and_gain_of_the_valve_are_found_by_direction(unknown_machine, sessions):
@@ -38,7 +38,7 @@ def test_overlap_and_gain_of_the_valve_are_found_by_direction(unknown_machine, s
 def test_the_meters_floor_is_not_taken_for_flow(unknown_machine, sessions):
     """What stands at the floor, taken as flow, would put the overlap's edge a tenth of a volt too low."""
     points, censored = points_and_law(unknown_machine, sessions("valve"))
-    taken = valve_characteristic.law(points, load_machine("c180").valve, 0.0, 1e-7)
+    taken = valve_characteristic.law(points, load_machine("c180_hoses").valve, 0.0, 1e-7)
     truth = unknown_machine.valve.deadband_voltage
     wrong = abs(taken.values["deadband_voltage"] - truth)
     assert wrong > 10.0 * abs(censored.values["deadband_voltage"] - truth)
@@ -78,7 +78,7 @@ def test_a_bend_at_a_sample_is_made_up_for_in_sums_over_samples():
 
 
 def test_another_hose_follows_from_length_and_bore():
-    hose = load_machine("c180").hose
+    hose = load_machine("c180_hoses").hose
     other = hose_estimators.scaled(hose, 2.0 * hose.length, 0.5 * hose.bore)
     assert other.turbulent_resistance == pytest.approx(2.0 * 2.0**4.75 * hose.turbulent_resistance)
     assert other.inertance == pytest.approx(8.0 * hose.inertance)
@@ -123,7 +123,7 @@ def test_boom_and_head_are_weighed_together(unknown_machine):
 
 
 def test_a_transducers_offset_is_found_even_below_its_zero():
-    machine = load_machine("c180")
+    machine = load_machine("c180_hoses")
     suite = sensor_suite(machine, noise=True, seed=1)
     truth = {name: c.bias for name, c in zip(CHANNELS, suite.channels, strict=True)}
     found = calibration.calibrate(machine, calibration.simulated(suite))

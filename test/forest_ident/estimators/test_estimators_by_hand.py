@@ -26,7 +26,7 @@ from forest_ident.online.recursive_least_squares import Estimator, start, step
 from forest_ident.output_error import noise_model
 from forest_sim.mechanics.manipulator import fold_head
 
-C180, LOADER = load_machine("c180"), load_machine("loader")
+C180, LOADER = load_machine("c180_hoses"), load_machine("loader")
 BODY = fold_head(C180.manipulator)
 PERIOD = 0.005
 EXACT = {"exact_sensors": 1.0}

@@ -12,7 +12,7 @@ from forest_sim.simulation.voltage_profiles import thesis
 from forest_sim.solver.state_recording import restore
 
 
-@pytest.mark.parametrize("name", ["c180_thesis", "c180_real", "loader", "forwarder"])
+@pytest.mark.parametrize("name", ["c180_thesis", "c180", "loader", "forwarder"])
 def test_columns_are_what_the_sensors_see(name):
     machine = load_machine(name)
     p, around = plant_parameters(machine), surroundings(machine)
@@ -25,7 +25,7 @@ def test_columns_are_what_the_sensors_see(name):
 
 
 def test_columns_are_read_by_the_law_of_the_channel():
-    machine = load_machine("c180")
+    machine = load_machine("c180_hoses")
     suite = sensor_suite(machine, noise=True, seed=5)
     quiet = suite._replace(channels=tuple(c._replace(noise=0.0) for c in suite.channels))
     flow = 2e-4 * np.sin(np.linspace(0.0, 20.0, 400))
@@ -38,7 +38,7 @@ def test_columns_are_read_by_the_law_of_the_channel():
 
 
 def test_another_run_has_other_noise_from_the_same_units():
-    machine = load_machine("c180")
+    machine = load_machine("c180_hoses")
     suite = sensor_suite(machine, noise=True, seed=5)
     still = {"boom_resolver": np.full(4000, 0.5)}
     one, two = (read(still, suite, 0.005, run)["boom_resolver"] for run in ("a", "b"))

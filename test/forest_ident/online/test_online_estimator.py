@@ -45,7 +45,7 @@ def test_without_motion_the_covariance_stays_bounded():
 
 def test_running_estimates_come_near_the_truth(monkeypatch):
     axis, name = 2, "stick"
-    machine = load_machine("c180")
+    machine = load_machine("c180_hoses")
     session = experiment(f"damping_{name}", machine, seed=4, longest=30.0)
     told = online_comparison.estimates(machine, session)
     truth = {

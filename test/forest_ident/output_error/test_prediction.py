@@ -7,7 +7,7 @@ from forest_ident.output_error.prediction import plants_at
 from forest_sim.solver.oil_temperature import parameters_at
 
 
-@pytest.mark.parametrize("name", ["c180", "loader"])
+@pytest.mark.parametrize("name", ["c180_hoses", "loader"])
 def test_between_two_temperatures_the_plant_is_the_one_made_there(name):
     machine = load_machine(name)
     pack = flat_layout.packer(parameters_at(machine, 300.0))
@@ -21,6 +21,6 @@ def test_between_two_temperatures_the_plant_is_the_one_made_there(name):
 
 def test_offsets_of_a_hundredth_of_a_kelvin_are_felt():
     """Rounded temperatures would give a fit steps in place of a slope."""
-    machine = load_machine("c180")
+    machine = load_machine("c180_hoses")
     plants = plants_at(machine, np.arange(310.0, 310.1, 0.01).tolist())
     assert np.all(np.diff([p.swing.actuator.external_leakage for p in plants]) > 0.0)

@@ -9,7 +9,7 @@ from forest_description.machine import load_machine
 from forest_ident.measurements.session import Session, SessionError
 from forest_ident.refinement.experiment_check import demand
 
-C180 = load_machine("c180")
+C180 = load_machine("c180_hoses")
 
 
 def record(name, driven, roll=None):

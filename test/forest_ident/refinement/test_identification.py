@@ -13,7 +13,7 @@ from forest_ident.validation import prediction_error
 
 @pytest.fixture(scope="module")
 def identified(sessions):
-    start = load_machine("c180")
+    start = load_machine("c180_hoses")
     return identify(start, [sessions("valve"), sessions("validation")])
 
 
@@ -32,7 +32,7 @@ def test_the_intervals_hold_the_truth(identified, unknown_machine):
 
 
 def test_the_file_gives_back_what_was_found(identified, tmp_path):
-    machine = machine_writer.write(identified, "c180", tmp_path / "identified.yaml")
+    machine = machine_writer.write(identified, "c180_hoses", tmp_path / "identified.yaml")
     for key, estimate in identified.estimates.items():
         assert value_of(machine, key) == pytest.approx(estimate.value, rel=1e-8)
     assert load_machine(tmp_path / "identified.yaml") == machine
@@ -65,7 +65,7 @@ def test_the_right_model_predicts_what_was_read(sessions, unknown_machine):
 
 
 def test_a_wrong_model_is_seen(sessions, unknown_machine):
-    wrong = load_machine("c180")
+    wrong = load_machine("c180_hoses")
     worst = max(signal.nrmse for signal in prediction_error.signals(wrong, sessions("validation")))
     assert worst > 0.05
 

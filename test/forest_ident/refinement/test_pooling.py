@@ -11,7 +11,7 @@ from forest_ident.estimators.parameter_estimate import Estimate
 from forest_ident.refinement.pooling import pooled
 from forest_ident.refinement.result import Result
 
-C180 = load_machine("c180")
+C180 = load_machine("c180_hoses")
 TWICE = dataclasses.replace(C180.valve, backward=BackwardValve(1.3, 1.4e12))
 # Unlike errors, in either order: (value, standard error) forward and backward.
 VOLTS = (1.00, 0.02), (1.03, 0.01)

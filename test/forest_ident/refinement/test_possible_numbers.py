@@ -9,7 +9,7 @@ from forest_ident.output_error.gaussian_estimate import GaussianEstimate
 from forest_ident.refinement.possible_numbers import applied
 from forest_ident.refinement.result import Result
 
-C180 = load_machine("c180")
+C180 = load_machine("c180_hoses")
 
 
 def result_of(**values):

@@ -8,7 +8,7 @@ from forest_ident.measurements.session import Session
 from forest_ident.refinement import identification, refinement
 from forest_ident.refinement.refinement_task import simulations
 
-C180 = load_machine("c180")
+C180 = load_machine("c180_hoses")
 
 
 def record(name, seconds):

@@ -13,7 +13,7 @@ from forest_ident.output_error.output_error import fit
 from forest_ident.refinement import told_numbers
 from forest_ident.refinement.identification import identify
 
-C180 = load_machine("c180")
+C180 = load_machine("c180_hoses")
 STICK = "manipulator.stick_mass"
 MASSES = ("manipulator.head_mass", "manipulator.boom_mass")
 HEAVY = with_values(C180, {STICK: 720.0, "manipulator.head_mass": 850.0})
@@ -40,7 +40,7 @@ def test_the_table_says_how_much_of_an_interval_was_told_and_by_what(found):
 def test_a_file_may_state_an_uncertainty_and_it_counts_as_the_default_would(tmp_path):
     file = tmp_path / "weighed.yaml"
     quantity = '{value: 544, unit: kg, source: "weighed", uncertainty: 11}'
-    file.write_text(f"based_on: c180\nmanipulator:\n  stick_mass: {quantity}\n")
+    file.write_text(f"based_on: c180_hoses\nmanipulator:\n  stick_mass: {quantity}\n")
     stated = uncertainties(file)
     assert stated == {STICK: 11.0}
     machine = load_machine(file)

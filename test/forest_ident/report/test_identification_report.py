@@ -11,7 +11,7 @@ from forest_ident.refinement.result import Result
 from forest_ident.report import identification_report
 from forest_ident.validation.verdict import BUT_FOR, Verdict
 
-C180 = load_machine("c180")
+C180 = load_machine("c180_hoses")
 
 
 @pytest.fixture

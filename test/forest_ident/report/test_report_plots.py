@@ -14,7 +14,7 @@ def test_a_jump_between_two_samples_does_not_shrink_the_picture(draw):
     mpl.use("Agg")
     from matplotlib import pyplot
 
-    machine = load_machine("c180")
+    machine = load_machine("c180_hoses")
     figure, axes = pyplot.subplots()
     draw(axes, machine, experiment("hose", machine, seed=3, longest=16.0))
     read, fitted = axes.lines

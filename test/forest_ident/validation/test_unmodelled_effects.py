@@ -12,7 +12,7 @@ from forest_ident.validation import unmodelled_effects
 def answers():
     return {
         c.name: unmodelled_effects.answer(c, longest=20.0)
-        for c in unmodelled_effects.cases(load_machine("c180"))
+        for c in unmodelled_effects.cases(load_machine("c180_hoses"))
     }
 
 
@@ -34,7 +34,7 @@ def test_equal_areas_cost_the_angle_too(answers):
 
 def test_forces_balance_ties_the_errors_of_both_pressures(answers):
     """A_d dP_d = A_r dP_r: what the model lacks is no force, so neither pressure is off alone."""
-    stick = load_machine("c180").stick
+    stick = load_machine("c180_hoses").stick
     for way, ratio in (("out", stick.rod_area / stick.head_area), ("in", stick.head_area / stick.rod_area)):
         driving, back = (
             score(answers["return_edge"], "stick", name, way).rms for name in ("driving", "return")

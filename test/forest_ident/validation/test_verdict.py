@@ -14,7 +14,7 @@ from forest_ident.refinement.result import Refined, Result
 from forest_ident.validation.prediction_error import Signal, over_limit
 from forest_ident.validation.verdict import BUT_FOR, NOT_TRUSTED, TRUSTED, verdict
 
-C180 = load_machine("c180")
+C180 = load_machine("c180_hoses")
 KEYS = ("boom.damping", "stick.damping", "boom.rod_area")
 FIT = Fit({}, {}, 1.0, EMPTY, {}, {}, 1, {})
 SESSION = Session("damping_boom", np.arange(3.0), np.zeros((3, 3)), {})
@@ -93,7 +93,7 @@ def test_the_sources_of_a_machine_file_say_so(withheld, tmp_path):
     from forest_ident.report import machine_writer
 
     result = result_with(withheld=withheld)
-    machine_writer.write(result, "c180", tmp_path / "found.yaml", {"stick.damping": 'why "not"'})
+    machine_writer.write(result, "c180_hoses", tmp_path / "found.yaml", {"stick.damping": 'why "not"'})
     text = (tmp_path / "found.yaml").read_text()
     assert ("95 % interval withheld" in text) == withheld
     assert "not trusted: why 'not'" in text

@@ -50,7 +50,7 @@ def answered(machine, angles, axis, volts, rate, frequency, amplitude=0.02, cycl
 @pytest.mark.parametrize(("axis", "volts"), [(0, 4.0), (1, 3.0), (2, -3.0)])
 @pytest.mark.parametrize("frequency", [8.0, 20.0])
 def test_the_simulated_machine_answers_so(axis, volts, frequency):
-    hanging = load_machine("c180_real")  # a head that hangs sways on for longer than is measured
+    hanging = load_machine("c180")  # a head that hangs sways on for longer than is measured
     machine = replace(hanging, manipulator=replace(hanging.manipulator, pendulum=None))
     angles = start_angles(machine, start_tip(machine))
     rate, told = rate_response(angles, axis, volts, plant_parameters(machine), np.array([frequency]))
@@ -71,7 +71,7 @@ def test_a_machine_with_compensators_and_bending_answers_so(axis, frequency):
 
 
 def test_a_shut_valve_has_no_answer():
-    machine = load_machine("c180")
+    machine = load_machine("c180_hoses")
     with pytest.raises(ValueError, match="allowed: more than its deadband"):
         rate_response((0.0, 0.5, -1.5), 1, 0.0, plant_parameters(machine), np.array([1.0]))
 

@@ -66,7 +66,7 @@ def test_only_axes_with_dry_friction_have_ends_each_of_its_own_friction():
     assert ends["boom"].small == pytest.approx(0.5 * 0.002)
     assert ends["stick"].small == pytest.approx(0.5 * 0.0025)
     assert equivalent_damping(ends["stick"].large, P.stick.friction) == pytest.approx(7000.0, rel=1e-6)
-    assert axes_with_friction(plant_parameters(load_machine("c180"))) == {}
+    assert axes_with_friction(plant_parameters(load_machine("c180_hoses"))) == {}
 
 
 def test_a_small_kick_of_the_stick_dies_without_an_oscillation_as_the_small_end_says():
@@ -122,7 +122,9 @@ def test_the_command_tells_both_ends_with_their_amplitudes(capsys):
     assert " stick  links on oil" in large
 
 
-@pytest.mark.parametrize(("machine", "axes", "more"), [("loader", ["boom", "stick"], 1), ("c180", [], 0)])
+@pytest.mark.parametrize(
+    ("machine", "axes", "more"), [("loader", ["boom", "stick"], 1), ("c180_hoses", [], 0)]
+)
 def test_json_has_both_ends_with_their_amplitudes(machine, axes, more, capsys):
     assert main(["modes", "--machine", machine, "--json"]) == 0
     told = json.loads(capsys.readouterr().out)
@@ -132,7 +134,7 @@ def test_json_has_both_ends_with_their_amplitudes(machine, axes, more, capsys):
 
 def test_a_swing_that_sticks_has_ends_of_its_own():
     """Small: the bearing's spring alone. Large: as the machine without play and bearing friction."""
-    real = load_machine("c180_real")
+    real = load_machine("c180")
     real = dataclasses.replace(real, manipulator=dataclasses.replace(real.manipulator, pendulum=None))
     p = plant_parameters(real)
     ends, b = drive_limits(p), real.swing.friction

@@ -7,7 +7,7 @@ import pytest
 from forest_description.machine import load_machine
 from forest_sim.analysis.machine_check import warnings
 
-C180 = load_machine("c180")
+C180 = load_machine("c180_hoses")
 
 
 def changed(section, **numbers):
@@ -31,7 +31,7 @@ def told(machine):
 
 
 def test_the_shipped_machines_have_nothing_else_than_their_hoses_to_warn_of():
-    for name in ("c180", "loader"):
+    for name in ("c180_hoses", "loader"):
         assert told(load_machine(name)) == []
 
 

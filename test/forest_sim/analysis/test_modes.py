@@ -21,7 +21,7 @@ from forest_sim.equations.valve_ports import ports_at
 from forest_sim.mechanics.manipulator import dynamics
 from forest_sim.simulation.open_loop import start_angles
 
-C180, THESIS = load_machine("c180"), load_machine("c180_thesis")
+C180, THESIS = load_machine("c180_hoses"), load_machine("c180_thesis")
 START = start_angles(C180)
 SHUT = (0.0, 0.0, 0.0)
 
@@ -89,7 +89,7 @@ def test_an_open_swing_valve_lets_its_lines_ring():
     assert all(85.0 < mode.frequency < 95.0 and mode.axis == "swing" for mode in lines)
 
 
-@pytest.mark.parametrize("machine", [THESIS, C180], ids=["thesis", "c180"])
+@pytest.mark.parametrize("machine", [THESIS, C180], ids=["thesis", "c180_hoses"])
 def test_the_operating_point_of_open_valves_is_steady_but_for_the_angles(machine):
     p = unguarded(plant_parameters(machine))
     point = operating_point(START, (4.0, -3.0, 5.0), p)

@@ -21,7 +21,7 @@ from forest_sim.mechanics.manipulator import dynamics
 from forest_sim.simulation.open_loop import start_angles
 
 DOCS = Path(__file__).parents[3] / "docs" / "explanation" / "equations.md"
-C180 = load_machine("c180")
+C180 = load_machine("c180_hoses")
 P = plant_parameters(C180)
 START = start_angles(C180)
 
@@ -58,7 +58,7 @@ def residual(frequency, places):
 
 def told(axis):
     """The docs' figures for an axis: one lump, with waves, (least, most), limit."""
-    one, waves, span, limit = cells("| `c180` | one lump")[axis]
+    one, waves, span, limit = cells("| `c180_hoses` | one lump")[axis]
     least, most = span.split(" .. ")
     return float(one), float(waves), (float(least), float(most)), float(limit)
 

@@ -9,7 +9,7 @@ from forest_sim.analysis.pump_comparison import SORTS, compare, table, with_pump
 from forest_sim.simulation import voltage_profiles
 from forest_sim.simulation.open_loop import Run, start_angles
 
-C180, THESIS = load_machine("c180"), load_machine("c180_thesis")
+C180, THESIS = load_machine("c180_hoses"), load_machine("c180_thesis")
 
 
 @pytest.fixture(scope="module")
@@ -17,7 +17,7 @@ def comparison():
     return compare(C180, voltage_profiles.thesis(), start_angles(C180), Run(9.5))
 
 
-@pytest.mark.parametrize("machine", [C180, THESIS], ids=["c180", "c180_thesis"])
+@pytest.mark.parametrize("machine", [C180, THESIS], ids=["c180_hoses", "c180_thesis"])
 @pytest.mark.parametrize("sort", SORTS, ids=lambda sort: sort.kind)
 def test_a_variant_keeps_the_machines_own_numbers(machine, sort):
     variant = with_pump(machine, sort)

@@ -61,7 +61,7 @@ def test_simulate_leaves_trajectory_pictures_and_summary(forest_sim, tmp_path):
         assert png_size(out / name)[0] >= 1000
     assert all(str(path) in told for path in (out / "trajectory", out / "power.png"))
     summary = json.loads((out / "summary.json").read_text())
-    assert summary["machine"] == "c180"
+    assert summary["machine"] == "c180_hoses"
     assert summary["duration_s"] == 2.5
     assert summary["real_time_factor"] > 1.0
     energy = summary["energy_j"]
@@ -120,7 +120,7 @@ def test_sensors_err_by_seed_and_fail_as_told(forest_sim, no_pictures, tmp_path)
 def test_cold_oil_is_another_machine(forest_sim):
     cold, warm = (forest_sim("modes", "--temperature", degrees)[1] for degrees in ("0", "40"))
     assert cold != warm
-    code, _, err = forest_sim("check", "c180", "--temperature", "400")
+    code, _, err = forest_sim("check", "c180_hoses", "--temperature", "400")
     assert code == 2
     assert "allowed: -60 .. 200 degC" in err
     code, _, err = forest_sim("modes", "--machine", "c180_thesis", "--temperature", "20")
@@ -141,13 +141,13 @@ def test_machines_are_compared_under_the_same_voltages(forest_sim, tmp_path):
     out, path = tmp_path / "compared", tmp_path / "step.csv"
     path.write_text("time,swing,boom,stick\n0,0,4,0\n0.3,0,0,0\n", "utf-8")
     code, told, _ = forest_sim(
-        *("compare", "c180", "c180_real", "--voltages", path, "--duration", "0.6", "--out", out),
+        *("compare", "c180_hoses", "c180", "--voltages", path, "--duration", "0.6", "--out", out),
         *("--loads", "900 kg from 0.3 s"),
     )
     assert code == 0
     ends = {line.split()[0]: float(line.split()[1]) for line in told.splitlines()[1:3]}
-    assert list(ends) == ["c180", "c180_real"]
-    assert ends["c180"] > ends["c180_real"] + 0.2  # deg: it sags on the oil of its chambers
+    assert list(ends) == ["c180_hoses", "c180"]
+    assert ends["c180_hoses"] > ends["c180"] + 0.2  # deg: it sags on the oil of its chambers
     assert png_size(out / "compare.png")[0] == 1000
 
 
@@ -200,7 +200,7 @@ def test_modes_over_the_workspace(forest_sim, tmp_path):
 
 
 def test_check_tells_components_and_figures(forest_sim):
-    code, told, _ = forest_sim("check", "c180")
+    code, told, _ = forest_sim("check", "c180_hoses")
     assert code == 0
     for part in (
         "pressure_compensated",
@@ -225,7 +225,7 @@ def test_check_warns_of_a_load_that_the_pump_cannot_hold(forest_sim, tmp_path):
 
 def test_check_of_an_unusable_file_says_why(forest_sim, tmp_path):
     file = tmp_path / "bad.yaml"
-    file.write_text("based_on: c180\nboom:\n  stroke: {value: 36, unit: kg, source: x}\n")
+    file.write_text("based_on: c180_hoses\nboom:\n  stroke: {value: 36, unit: kg, source: x}\n")
     code, told, err = forest_sim("check", file)
     assert (code, told) == (1, "")
     assert err.startswith(f"forest-sim: {file}:3: boom.stroke: unit 'kg' does not fit; allowed: ")
@@ -251,7 +251,11 @@ def test_check_of_an_unusable_file_says_why(forest_sim, tmp_path):
         ),
         (("simulate", "--out", "{new}", "--seed", "-1"), 2, "allowed: 0 .. 2147483647, whole"),
         (("pumps", "--out", "{old}"), 1, "exists already"),
-        (("compare", "c180", "--out", "{new}"), 2, "one machine compares with nothing; allowed: two or more"),
+        (
+            ("compare", "c180_hoses", "--out", "{new}"),
+            2,
+            "one machine compares with nothing; allowed: two or more",
+        ),
         (("equilibrium", "--tip", "1", "0", "1"), 1, "it needs the boom at"),
         (("equilibrium", "--angles", "0", "80", "-90"), 1, "boom at 80.0 deg, allowed there: -36.7 .. 72.0"),
         (("equilibrium", "--angles", "0", "x", "-90"), 2, "'x'; allowed: -720 .. 720 deg"),

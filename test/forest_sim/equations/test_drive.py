@@ -20,7 +20,7 @@ from forest_sim.solver.drive_stage import Contact, meshed_rate
 from forest_sim.solver.equilibrium import equilibrium
 from forest_sim.solver.state_recording import ENERGY, STATE
 
-REAL = load_machine("c180_real")
+REAL = load_machine("c180")
 POSE = (0.0, 0.4, -1.4)
 SHUT = (0.0, 0.0, 0.0)
 
@@ -80,7 +80,7 @@ def test_the_joint_is_free_for_twice_b_and_what_the_teeth_yield():
 
 
 PLAIN = dataclasses.replace(
-    with_drive(load_machine("c180"), backlash=REAL.swing.backlash), port_valves=None, end_stops=None
+    with_drive(load_machine("c180_hoses"), backlash=REAL.swing.backlash), port_valves=None, end_stops=None
 )
 
 

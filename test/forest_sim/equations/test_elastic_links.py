@@ -29,7 +29,7 @@ from forest_sim.solver.compiled_plant import compiled_record
 from forest_sim.solver.equilibrium import equilibrium
 from forest_sim.solver.state_recording import ENERGY, STATE
 
-C180 = load_machine("c180")
+C180 = load_machine("c180_hoses")
 REAL = load_machine(Path(__file__).parents[3] / "docs/pictures/elastic_links.yaml")
 LINKS = C180.manipulator.links
 SHUT = (0.0, 0.0, 0.0)

@@ -20,7 +20,7 @@ from forest_sim.solver.equilibrium import equilibrium
 from forest_sim.solver.oil_temperature import dissipated_power
 from forest_sim.solver.power_flows import AxisPower, PowerFlows, SupplyPower
 
-C180 = load_machine("c180")
+C180 = load_machine("c180_hoses")
 EMPTY = (0.0, 0.0)  # [Pa] in the chambers
 HANGING = dataclasses.replace(
     C180, manipulator=dataclasses.replace(C180.manipulator, pendulum=Pendulum(1.1, 150.0, 400.0))

@@ -13,10 +13,10 @@ from forest_sim.hydraulics.hydraulic_line import guard_flow
 from forest_sim.hydraulics.supply import supply
 from forest_sim.mechanics.end_stop import end_stop_force
 
-C180, THESIS = load_machine("c180"), load_machine("c180_thesis")
+C180, THESIS = load_machine("c180_hoses"), load_machine("c180_thesis")
 
 
-@pytest.mark.parametrize("machine", [C180, THESIS], ids=["c180", "thesis"])
+@pytest.mark.parametrize("machine", [C180, THESIS], ids=["c180_hoses", "thesis"])
 def test_every_hose_is_that_of_its_axis_and_port(machine):
     p = plant_parameters(machine)
     lines = [line for axis in (p.swing, p.boom, p.stick) for line in (axis.line_1, axis.line_2)]

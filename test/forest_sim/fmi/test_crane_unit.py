@@ -17,7 +17,7 @@ from forest_sim.simulation.open_loop import start_angles
 from forest_sim.simulation.sensor_log import SIMULATED_TOPICS, further_topics, topic_values
 from forest_sim.simulation.simulated_machine import SimulatedMachine
 
-MACHINE, DURATION, PERIOD = "c180_real", 2.0, 0.005
+MACHINE, DURATION, PERIOD = "c180", 2.0, 0.005
 # Only what the venv's folder holds: no .pth is read, and so our packages come from the FMU alone.
 TOOL = """
 import json, sys

@@ -15,7 +15,7 @@ from forest_sim.hydraulics.actuator import (
     port_pressures,
 )
 
-MACHINE = load_machine("c180")
+MACHINE = load_machine("c180_hoses")
 SWING = MACHINE.swing
 D = SWING.gear_ratio * SWING.motor_displacement
 LINES = [(MACHINE.line(axis, 1), MACHINE.line(axis, 2)) for axis in range(3)]
@@ -28,7 +28,7 @@ WORN_MOTOR = motor(WORN, *UNLIKE)
 each_motor = pytest.mark.parametrize(
     ("drive", "lines", "actuator"),
     [(SWING, LINES[0], MOTOR), (WORN, UNLIKE, WORN_MOTOR)],
-    ids=["c180", "worn"],
+    ids=["c180_hoses", "worn"],
 )
 CYLINDERS = [
     (drive, LINES[i], cylinder(drive, *LINES[i])) for i, drive in enumerate((MACHINE.boom, MACHINE.stick), 1)

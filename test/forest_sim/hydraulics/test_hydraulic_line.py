@@ -17,7 +17,7 @@ from forest_sim.hydraulics.hydraulic_line import (
 )
 from forest_sim.hydraulics.port import Port
 
-MACHINE = load_machine("c180")
+MACHINE = load_machine("c180_hoses")
 LINE = MACHINE.line(2, 1)
 GUARD = PortGuard(24e6, 1e-8, 0.0, 1e-7)
 SPRUNG = PortGuard(22e6, 3e-8, -4e5, 2e-7)  # whose checks open below the tank's pressure only

@@ -16,7 +16,7 @@ from forest_sim.hydraulics.port import Port, edge_flows, port_pressure
 from forest_sim.solver.compiled_plant import compiled_advance
 from forest_sim.solver.equilibrium import equilibrium
 
-C180 = load_machine("c180")
+C180 = load_machine("c180_hoses")
 LINE = C180.line(2, 1)
 STEP = 3e-4
 OUTSTRETCHED = inverse_kinematics((6.5, 0.0, 0.5), C180.manipulator.links)

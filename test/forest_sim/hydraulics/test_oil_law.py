@@ -13,7 +13,7 @@ from forest_description.machine import load_machine
 from forest_sim.hydraulics.oil_law import density, enthalpy, held_above_vapour, is_near, oil_law
 from forest_sim.hydraulics.oil_volume import OilVolume, content, settled_pressure
 
-OIL = load_machine("c180_real").oil
+OIL = load_machine("c180").oil
 LAW, AIRLESS = oil_law(OIL), oil_law(dataclasses.replace(OIL, air=None))
 BETA, TANK, VAPOUR, SHARE, DISSOLVED = 1.6e9, 101325.0, 100.0, 0.005, 3e6
 PRESSURES = [-101220.0, -90e3, -30e3, -1.0, 0.0, 1.0, 5e4, 4e5, 1.5e6, 2.9e6, 3e6, 1e7, 2.4e7]

@@ -22,7 +22,7 @@ from forest_sim.hydraulics.oil_volume import (
 from forest_sim.hydraulics.port import Port
 from forest_sim.hydraulics.side import Side, side_rates, storage
 
-OIL = load_machine("c180_real").oil
+OIL = load_machine("c180").oil
 BETA, AREA, WALL = OIL.bulk_modulus, 0.01824, 3.5e-13
 CLEAN = OilVolume(1, -0.0229, AREA, WALL, 0.0, 1e11, oil_law(dataclasses.replace(OIL, air=None)))
 AIRY = CLEAN._replace(oil=oil_law(OIL))

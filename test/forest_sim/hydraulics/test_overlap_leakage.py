@@ -18,7 +18,7 @@ from forest_sim.hydraulics.port import port_flow, port_pressure
 from forest_sim.solver.equilibrium import equilibrium
 from forest_sim.solver.integrator import spools_after
 
-C180 = load_machine("c180")
+C180 = load_machine("c180_hoses")
 SUPPLY = 2e7
 # A spool of 16 mm with a clearance of 6 um; 0.5 mm of overlap are 1 V. Edges rounded by 20 um.
 DIAMETER, CLEARANCE, VISCOSITY, OVERLAP, ROUNDING = 0.016, 6e-6, 0.03, 0.5e-3, 2e-5

@@ -16,7 +16,7 @@ from forest_sim.hydraulics.hydraulic_line import (
 )
 from forest_sim.hydraulics.port import Port, edge_flow, edge_flows, port_flow, solve_port
 
-LINE = load_machine("c180").line(2, 1)
+LINE = load_machine("c180_hoses").line(2, 1)
 GUARD = PortGuard(24e6, 1e-8, 0.0, 1e-7)
 STEP = 3e-4
 SUPPLY = 2e7

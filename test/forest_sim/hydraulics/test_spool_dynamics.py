@@ -12,7 +12,7 @@ from forest_sim.equations.plant_parameters import plant_parameters
 from forest_sim.hydraulics.spool_dynamics import CENTRED, STUCK, Spool, SpoolLag, spool_after, spool_lag
 from forest_sim.solver.integrator import spools_after
 
-C180 = load_machine("c180")
+C180 = load_machine("c180_hoses")
 W = 2.0 * math.pi * 12.0
 SECOND = {name: SpoolLag(W, zeta) for name, zeta in {"under": 0.4, "critical": 1.0, "over": 2.5}.items()}
 LAGS = {"first": SpoolLag(W, 0.0), **SECOND}

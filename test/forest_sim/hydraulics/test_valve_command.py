@@ -16,7 +16,7 @@ from forest_sim.solver.equilibrium import equilibrium
 from forest_sim.solver.integrator import advance
 from forest_sim.solver.state_recording import STATE, record, store
 
-REAL = load_machine("c180_real")
+REAL = load_machine("c180")
 POSE = (0.1, 0.4, -1.4)
 AT_ONCE = SpoolLag(math.inf, 0.0)
 W, S, B = 2.0 * math.pi * 12.0, 250.0, 0.4

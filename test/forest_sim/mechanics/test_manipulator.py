@@ -13,7 +13,7 @@ from forest_description.geometry.kinematics import tip_position
 from forest_description.machine import load_machine
 from forest_sim.mechanics.manipulator import dynamics, fold_head, tip_load_torques
 
-MANIPULATOR, THESIS = load_machine("c180").manipulator, load_machine("c180_thesis").manipulator
+MANIPULATOR, THESIS = load_machine("c180_hoses").manipulator, load_machine("c180_thesis").manipulator
 BODY = fold_head(MANIPULATOR)
 GENERAL = fold_head(
     dataclasses.replace(
@@ -21,7 +21,7 @@ GENERAL = fold_head(
     )
 )
 BODIES = pytest.mark.parametrize(
-    "body", [BODY, fold_head(THESIS), GENERAL], ids=["c180", "thesis", "tilted, log, products"]
+    "body", [BODY, fold_head(THESIS), GENERAL], ids=["c180_hoses", "thesis", "tilted, log, products"]
 )
 H = 1e-6
 

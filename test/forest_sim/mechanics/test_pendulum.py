@@ -20,7 +20,7 @@ from forest_sim.mechanics.pendulum import (
     pendulum_dynamics,
 )
 
-C180 = load_machine().manipulator
+C180 = load_machine("c180_hoses").manipulator
 HANGING = dataclasses.replace(
     C180,
     platform_tilt=0.15,

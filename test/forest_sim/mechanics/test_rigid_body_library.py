@@ -15,7 +15,7 @@ from forest_sim.mechanics.pendulum import hanging_head, pendulum_dynamics
 pin = pytest.importorskip("pinocchio", reason="the rigid-body library (PyPI: pin) is not installed")
 
 TILT, COUNT, CLOSE = 0.13, 100, 1e-8
-C180, THESIS, LOADER = load_machine("c180"), load_machine("c180_thesis"), load_machine("loader")
+C180, THESIS, LOADER = load_machine("c180_hoses"), load_machine("c180_thesis"), load_machine("loader")
 LOG = Log(mass=900.0, x=0.4, y=-0.3)
 LONG_LOG = Log(mass=500.0, x=1.4, y=0.0, length=4.0)
 HANGING = {"pendulum": Pendulum(0.9, 60.0, 0.0), "log": Log(500.0, 1.4, 0.0)}
@@ -68,10 +68,10 @@ def assert_close(ours, theirs):
         variant(LOADER, pendulum=None),
     ],
     ids=[
-        "c180",
+        "c180_hoses",
         "thesis",
-        "c180 with log",
-        "c180 with a long log",
+        "c180_hoses with log",
+        "c180_hoses with a long log",
         "thesis with log and product",
         "loader with its head fixed",
     ],
@@ -107,7 +107,7 @@ def model_by_hand(machine):
 @pytest.mark.parametrize(
     "machine",
     [variant(C180, **HANGING), variant(C180, **(HANGING | {"log": LONG_LOG})), variant(LOADER)],
-    ids=["c180", "c180 with a long log", "loader"],
+    ids=["c180_hoses", "c180_hoses with a long log", "loader"],
 )
 def test_hanging_head_moves_as_in_the_library(machine, build):
     model, m = build(machine), machine.manipulator

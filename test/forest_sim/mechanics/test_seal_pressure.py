@@ -16,7 +16,7 @@ from forest_sim.mechanics.friction import friction, friction_force, pressed
 from forest_sim.solver.equilibrium import equilibrium
 from forest_sim.solver.integrator import spools_after
 
-SHIPPED = load_machine("c180_real")
+SHIPPED = load_machine("c180")
 # With the sharper kinks of thin lips, which make them stick and slip at these speeds.
 SEALS = dataclasses.replace(SHIPPED.boom.friction, stribeck_speed=0.005, smoothing_speed=5e-4)
 REAL = dataclasses.replace(

@@ -17,7 +17,7 @@ from forest_sim.sensors.signal_processing import SPEED_BANDWIDTH
 from forest_sim.solver.compiled_plant import compiled_advance
 from forest_sim.solver.equilibrium import equilibrium
 
-MACHINE, THESIS = load_machine("c180"), load_machine("c180_thesis")
+MACHINE, THESIS = load_machine("c180_hoses"), load_machine("c180_thesis")
 P = plant_parameters(MACHINE)
 Q = (0.3, 0.5, -1.5)
 REST = equilibrium(Q, P)

@@ -35,7 +35,12 @@ def reports(machine, noise, faults=""):
 
 @pytest.mark.parametrize(
     ("name", "noise", "faults"),
-    [("c180", False, ""), ("c180", True, FAULTS), ("c180_thesis", True, ""), ("c180", False, FAULTS)],
+    [
+        ("c180_hoses", False, ""),
+        ("c180_hoses", True, FAULTS),
+        ("c180_thesis", True, ""),
+        ("c180_hoses", False, FAULTS),
+    ],
 )
 def test_machine_code_reads_what_the_interpreted_sensors_read(monkeypatch, tmp_path, name, noise, faults):
     machine = load_machine(name)

@@ -23,7 +23,7 @@ from forest_sim.sensors.sensor_suite import (
     sensor_suite,
 )
 
-C180, THESIS = load_machine("c180"), load_machine("c180_thesis")
+C180, THESIS = load_machine("c180_hoses"), load_machine("c180_thesis")
 PSI, GALLON_PER_MINUTE = 6894.7, UNITS["gal/min"].factor
 
 

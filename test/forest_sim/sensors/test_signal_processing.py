@@ -14,7 +14,7 @@ from forest_sim.sensors.sensor_faults import parse_faults
 from forest_sim.sensors.sensor_suite import EXACT_SUITE, draw, noise_generator, sensor_suite
 from forest_sim.solver.equilibrium import equilibrium
 
-MACHINE = load_machine("c180")
+MACHINE = load_machine("c180_hoses")
 P = plant_parameters(MACHINE)
 Q = (0.3, 0.5, -1.5)
 REST = equilibrium(Q, P)

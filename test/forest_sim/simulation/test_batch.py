@@ -12,7 +12,7 @@ from forest_sim.simulation.batch import Job, simulate_many, simulate_one
 from forest_sim.simulation.open_loop import Run, RunError
 from forest_sim.solver.state_recording import STATE
 
-C180 = load_machine("c180")
+C180 = load_machine("c180_hoses")
 RUN = Run(0.5, 100.0)
 
 

@@ -20,7 +20,7 @@ from forest_sim.simulation.disturbance import (
 from forest_sim.solver.compiled_plant import compiled_advance
 from forest_sim.solver.equilibrium import equilibrium
 
-C180 = load_machine("c180")
+C180 = load_machine("c180_hoses")
 START = (0.0, 0.5, -1.5)
 
 
@@ -77,7 +77,7 @@ def test_a_force_that_no_machine_bears_is_refused_with_what_is_allowed(force):
         checked_tip_force(force)
 
 
-@pytest.mark.parametrize("name", ["c180", "loader"])
+@pytest.mark.parametrize("name", ["c180_hoses", "loader"])
 @pytest.mark.parametrize("place", [0, 1, 2])
 @pytest.mark.parametrize("sign", [-1.0, 1.0])
 def test_the_greatest_force_leaves_every_state_finite(name, place, sign):

@@ -28,8 +28,8 @@ def started(name):
     ("name", "told"),
     [
         ("c180_thesis", set()),
-        ("c180", set()),
-        ("c180_real", {PUMP, LINE}),
+        ("c180_hoses", set()),
+        ("c180", {PUMP, LINE}),
         ("forwarder", {PUMP, LINE, OPENINGS}),
     ],
 )
@@ -55,5 +55,5 @@ def test_a_pump_that_serves_an_axis_swivels_out_slows_its_engine_and_the_line_fi
 
 
 def test_valves_without_compensator_have_no_opening():
-    running, _ = started("c180_real")
+    running, _ = started("c180")
     assert np.isnan(running.compensators).all()

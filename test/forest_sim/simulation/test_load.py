@@ -20,7 +20,7 @@ from forest_sim.simulation.simulated_machine import SimulatedMachine
 from forest_sim.simulation.voltage_profiles import Voltages
 from forest_sim.solver.state_recording import restore
 
-C180 = load_machine("c180")
+C180 = load_machine("c180_hoses")
 HEAD = RotatorAndGrapple(100.0, 0.25, 0.5, 0.55, 90.0, 0.8, 400.0)
 HANGING = dataclasses.replace(C180, manipulator=dataclasses.replace(C180.manipulator, pendulum=HEAD))
 START = (0.2, 0.5, -1.4)

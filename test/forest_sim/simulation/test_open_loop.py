@@ -37,7 +37,7 @@ from forest_sim.solver.power_flows import power_flows
 from forest_sim.solver.state_recording import ENERGY, STATE, restore
 from forest_sim.solver.step_schedule import even
 
-C180, THESIS = load_machine("c180"), load_machine("c180_thesis")
+C180, THESIS = load_machine("c180_hoses"), load_machine("c180_thesis")
 START = start_angles(C180)
 
 
@@ -135,7 +135,7 @@ def test_states_are_the_same_with_and_without_energies(record):
     np.testing.assert_array_equal(one, other)
 
 
-@pytest.mark.parametrize("machine", [THESIS, C180], ids=["thesis", "c180"])
+@pytest.mark.parametrize("machine", [THESIS, C180], ids=["thesis", "c180_hoses"])
 @pytest.mark.parametrize(
     "voltages", [voltage_profiles.steps(10.0), voltage_profiles.chirp(), voltage_profiles.thesis()]
 )

@@ -23,7 +23,7 @@ from forest_sim.simulation.sensor_log import LOGGED_TOPICS, SensorLog
 from forest_sim.simulation.trajectory_files import DecimatedRows, TrajectoryFiles
 from forest_sim.solver.state_recording import STATE
 
-C180 = load_machine("c180")
+C180 = load_machine("c180_hoses")
 START = start_angles(C180)
 VOLTAGES, RUN = voltage_profiles.steps(), Run(1.6)
 ROWS = 321  # the start and 1.6 s at 200 Hz
@@ -156,7 +156,7 @@ def test_memory_does_not_grow_with_the_length_of_a_run(tmp_path):
         from forest_sim.simulation.trajectory_files import DecimatedRows
         DecimatedRows.LIMIT = 1000
         plots.draw_run = lambda *_: []
-        machine, seconds = load_machine("c180"), float(sys.argv[1])
+        machine, seconds = load_machine("c180_hoses"), float(sys.argv[1])
         run = Run(seconds)
         simulate(machine, voltage_profiles.steps(), start_angles(machine), run, Path(sys.argv[2]))
         print(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss)

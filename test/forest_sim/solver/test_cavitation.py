@@ -22,7 +22,7 @@ from forest_sim.solver.equilibrium import equilibrium
 from forest_sim.solver.power_flows import power_flows
 from forest_sim.solver.state_recording import ENERGY, STATE, restore
 
-REAL, LOADER = load_machine("c180_real"), load_machine("loader")
+REAL, LOADER = load_machine("c180"), load_machine("loader")
 BARE = dataclasses.replace(REAL, port_valves=None)  # nothing feeds a port but its own hose
 AIRY = dataclasses.replace(LOADER, oil=dataclasses.replace(LOADER.oil, air=REAL.oil.air))
 AIRLESS = dataclasses.replace(BARE, oil=dataclasses.replace(REAL.oil, air=None))

@@ -22,7 +22,7 @@ from forest_sim.solver.compiled_plant import compiled_advance, compiled_record
 from forest_sim.solver.equilibrium import equilibrium
 from forest_sim.solver.state_recording import ENERGY, STATE
 
-HANGING, C180 = load_machine("c180_real"), load_machine("c180")
+HANGING, C180 = load_machine("c180"), load_machine("c180_hoses")
 REAL = dataclasses.replace(
     HANGING,
     boom=dataclasses.replace(HANGING.boom, friction=None),

@@ -10,7 +10,7 @@ from forest_sim.solver.compiled_plant import FlatPlant, compiled_advance
 from forest_sim.solver.equilibrium import equilibrium
 from forest_sim.solver.state_recording import STATE
 
-P = plant_parameters(load_machine("c180"))
+P = plant_parameters(load_machine("c180_hoses"))
 REST = equilibrium((0.0, 0.5, -1.5), P)
 VOLTAGES = ((3.0, 2.5, -2.5), (0.0, 3.0, 1.0), (-4.0, 0.0, 5.0))
 

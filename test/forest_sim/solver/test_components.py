@@ -31,7 +31,7 @@ MODERATE, WIDE = (3.0, 2.5, -3.5), (9.0, 9.0, 9.0)
 CASES = {
     **{f"full, {name}": (full_machine(name), MODERATE) for name in PUMPS},
     "full, saturated": (full_machine("compensated"), WIDE),
-    "c180, saturated": (with_pump("compensated"), WIDE),
+    "c180_hoses, saturated": (with_pump("compensated"), WIDE),
     "weak engine": (with_pump("compensated", engine_power=2e4), WIDE),
 }
 each_case = pytest.mark.parametrize("case", CASES.values(), ids=CASES)

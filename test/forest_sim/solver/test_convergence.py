@@ -12,7 +12,7 @@ from forest_sim.equations.plant_parameters import plant_parameters
 from forest_sim.half_step.load_sensing import open_halves, open_share
 from forest_sim.solver.equilibrium import equilibrium
 
-MACHINES = ("c180_thesis", "c180", "c180_real", "forwarder", "loader")
+MACHINES = ("c180_thesis", "c180_hoses", "c180", "forwarder", "loader")
 FINE, LIMIT = 6.25e-5, 5e-5  # s, rad
 HELD = 0.02  # [s] of each voltage
 
@@ -51,7 +51,7 @@ def test_at_1_ms_the_levers_error_is_under_5e_5_rad(name):
     assert error(machine, levers, 1e-3, truth) < LIMIT
 
 
-@pytest.mark.parametrize("name", ["c180", "c180_real", "loader"])
+@pytest.mark.parametrize("name", ["c180_hoses", "c180", "loader"])
 def test_at_1_ms_the_jumps_error_is_under_5e_5_rad(name):
     """Not so on c180_thesis, whose spools follow at once and whose hoses have no valves: up to 8e-5 rad.
 

@@ -203,7 +203,7 @@ def test_port_valves_feed_from_the_tank_line_and_relieve_into_it():
     assert min(after.plant.swing[2:4]) > after.amid.tank.pressure
 
 
-@pytest.mark.parametrize("name", ["c180", "c180_real"])
+@pytest.mark.parametrize("name", ["c180_hoses", "c180"])
 @pytest.mark.parametrize("pump", ["compensated", "load sensing"])
 @pytest.mark.parametrize("slams", [False, True], ids=["random", "slams"])
 def test_energy_closes_with_everything_on(name, pump, slams):
@@ -227,7 +227,7 @@ def test_energy_closes_with_everything_on(name, pump, slams):
 
 
 def test_losses_are_none_of_them_negative_and_every_part_closes_at_each_state():
-    machine = everything("load sensing", load_machine("c180_real"))
+    machine = everything("load sensing", load_machine("c180"))
     p, rng = plant_parameters(machine), np.random.default_rng(3)
     now = equilibrium(start_angles(machine), p)
     for _ in range(100):
@@ -267,7 +267,7 @@ def test_halving_the_step_quarters_the_error():
 
 
 def test_interpreted_and_compiled_steps_agree_to_the_last_bit():
-    machine = everything("load sensing", load_machine("c180_real"))
+    machine = everything("load sensing", load_machine("c180"))
     p = plant_parameters(machine)
     one = two = equilibrium(start_angles(machine), p)
     for volts in ((6.0, -7.0, 8.0), (0.0, 9.0, -9.0)):

@@ -13,7 +13,7 @@ from forest_sim.mechanics.manipulator import dynamics
 from forest_sim.solver.compiled_plant import compiled_advance
 from forest_sim.solver.equilibrium import PRELOAD, equilibrium
 
-MACHINE = load_machine("c180")
+MACHINE = load_machine("c180_hoses")
 P = plant_parameters(MACHINE)
 SHUT = (0.0, 0.0, 0.0)
 REACH = ((-3.0, -0.6, -2.1), (3.0, 1.2, -0.9))  # angles that the strokes allow
@@ -55,7 +55,7 @@ def test_the_angles_are_those_asked_for_and_nothing_flows_or_moves():
         assert (rest.plant.swing.pressure_1, rest.plant.swing.pressure_2) == (0.0, 0.0)
 
 
-@pytest.mark.parametrize("name", ["c180", "c180_thesis"])
+@pytest.mark.parametrize("name", ["c180_hoses", "c180_thesis"])
 def test_with_shut_valves_the_machine_stays_where_it_is(name):
     p = plant_parameters(load_machine(name))
     for q in poses(4, 5):
@@ -73,7 +73,7 @@ def test_on_a_tilted_platform_the_swing_creeps_downhill_through_the_motors_leaks
 
 
 @pytest.mark.parametrize("tilt", [-0.1, 0.1])
-@pytest.mark.parametrize("name", ["c180", "c180_real"])
+@pytest.mark.parametrize("name", ["c180_hoses", "c180"])
 def test_on_a_tilted_platform_the_swing_bears_its_weight_from_the_beginning(name, tilt):
     """It creeps by what leaks, under 3 mrad in half a second; empty hoses let it fall further."""
     machine = load_machine(name)

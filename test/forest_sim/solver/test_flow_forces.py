@@ -23,7 +23,7 @@ POSE = (0.0, 0.3, -1.4)
 
 
 def crane(**changes):
-    """c180 on a supply that stands still, with springs that jets push against."""
+    """c180_hoses on a supply that stands still, with springs that jets push against."""
     valve = {"spool_bandwidth": BANDWIDTH, "spool_damping": DAMPING, "centring_force": SPRING} | changes
     return dataclasses.replace(
         C180, pump=IdealPump(SUPPLY), port_valves=None, valve=dataclasses.replace(C180.valve, **valve)

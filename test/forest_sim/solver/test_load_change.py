@@ -23,7 +23,7 @@ from forest_sim.solver.equilibrium import equilibrium
 from forest_sim.solver.load_change import kinetic_energy
 from forest_sim.solver.state_recording import STATE
 
-C180 = load_machine("c180")
+C180 = load_machine("c180_hoses")
 HEAD = RotatorAndGrapple(
     rotator_mass=100.0,
     rotator_centre=0.25,

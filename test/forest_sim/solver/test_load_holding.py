@@ -25,7 +25,7 @@ from forest_sim.solver.equilibrium import equilibrium
 from forest_sim.solver.power_flows import power_flows
 from forest_sim.solver.state_recording import ENERGY, STATE
 
-REAL, C180 = load_machine("c180_real"), load_machine("c180")
+REAL, C180 = load_machine("c180"), load_machine("c180_hoses")
 VALVE = REAL.boom.holding_1
 MPA = 1e6
 POSE = (0.0, 0.4, -1.4)
@@ -36,7 +36,7 @@ WIDE = dataclasses.replace(REAL.valve, minimum_resistance=1e10, port_2_area=0.05
 
 
 def crane(boom, valve=REAL.valve, head_mass=700.0):
-    """c180_real with one load-holding valve at most, at the boom's head side; c180's pump, free seals."""
+    """c180 with one load-holding valve at most, at the boom's head side; c180_hoses's pump, free seals."""
     return dataclasses.replace(
         REAL,
         pump=C180.pump,

@@ -19,7 +19,7 @@ from forest_sim.solver.oil_temperature import (
 )
 from forest_sim.solver.power_flows import power_flows
 
-MACHINE = load_machine("c180")
+MACHINE = load_machine("c180_hoses")
 OIL = MACHINE.oil
 STEADY = OIL.ambient_temperature + 24e3 / OIL.heat_loss_coefficient
 TIME_CONSTANT = OIL.heat_capacity / OIL.heat_loss_coefficient

@@ -18,7 +18,7 @@ from forest_sim.solver.compiled_plant import compiled_advance
 from forest_sim.solver.equilibrium import equilibrium
 from forest_sim.solver.power_flows import power_flows
 
-THESIS, C180, REAL = (load_machine(name) for name in ("c180_thesis", "c180", "c180_real"))
+THESIS, C180, REAL = (load_machine(name) for name in ("c180_thesis", "c180_hoses", "c180"))
 LEAKY = replace(C180.valve, deadband_voltage=-0.3, leakage_conductance=1e-13, port_2_area=0.7)
 RUBBING = replace(
     C180.boom, friction=Friction(4e3, 7e3, 5e-3, 1e-3), cushion=Cushion(0.1, 5e6), flow_regime="laminar"
@@ -34,10 +34,10 @@ HANGING = replace(
 )
 MACHINES = [
     pytest.param(THESIS, id="thesis"),
-    pytest.param(C180, id="c180"),
+    pytest.param(C180, id="c180_hoses"),
     pytest.param(EVERYTHING, id="everything"),
     pytest.param(CHECKED, id="load checks"),
-    pytest.param(REAL, id="c180_real"),
+    pytest.param(REAL, id="c180"),
     pytest.param(load_machine("forwarder"), id="forwarder"),
     pytest.param(replace(REAL, valve=LEAKY, boom=replace(REAL.boom, flow_regime="laminar")), id="leaking"),
 ]

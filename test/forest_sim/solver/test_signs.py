@@ -12,7 +12,7 @@ from forest_sim.solver.compiled_plant import compiled_advance
 from forest_sim.solver.equilibrium import equilibrium
 from forest_sim.solver.power_flows import power_flows
 
-MACHINES = [load_machine(name) for name in ("c180_thesis", "c180", "loader")]
+MACHINES = [load_machine(name) for name in ("c180_thesis", "c180_hoses", "loader")]
 VOLTS = 5.0
 
 

@@ -22,7 +22,7 @@ from forest_msgs_py.interfaces.topics import unlisted
 from forest_station.recordings.replay_bag import LARGEST_URDF, LONGEST_TEXT, MOST_EVENTS, ReplayBag
 from forest_station.recordings.replay_frames import frames, matrix, window
 
-OWN = load_machine()
+OWN = load_machine("c180_hoses")
 REFERENCE = Path("bags/coordinated")
 START = 1_700_000_000_000_000_000
 PERIOD = 5_000_000
@@ -118,7 +118,7 @@ def test_two_cranes_keep_their_names(make_bag, opened):
     assert {"crane_1/joint_states/boom.position", "crane_2/joint_states/boom.position"} <= set(bag.units)
 
 
-@pytest.mark.parametrize("machine", ["c180", "loader"])
+@pytest.mark.parametrize("machine", ["c180_hoses", "loader"])
 def test_a_recorded_crane_has_its_own_scene_and_its_cylinders_lie_as_its_machine_says(
     make_bag, machine, opened
 ):
@@ -131,7 +131,7 @@ def test_a_recorded_crane_has_its_own_scene_and_its_cylinders_lie_as_its_machine
         )
     )
     scene = bag.description()["scene"]
-    assert (scene is None) == (machine == "c180")  # the station's own crane is drawn already
+    assert (scene is None) == (machine == "c180_hoses")  # the station's own crane is drawn already
     expected = crane_signals(load_machine(machine), {"swing": 0.1, "boom": 0.5, "stick": -1.0})
     row = dict(zip(bag.units, matrix(bag, window(0.5, 0.504, 200.0))[0].tolist(), strict=True))
     np.testing.assert_allclose([row[name] for name in expected], list(expected.values()))

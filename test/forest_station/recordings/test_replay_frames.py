@@ -16,7 +16,7 @@ from forest_station.recordings.replay_bag import ReplayBag
 from forest_station.recordings.replay_frames import FRAME, MOST_FRAMES, Window, frames, matrix, window
 
 REFERENCES = [Path("bags") / name for name in ("coordinated", "valves", "fault")]
-OWN = load_machine()
+OWN = load_machine("c180_hoses")
 STEP_HZ = 200  # of the reference bags, which are made in lockstep: log times are stamps
 
 

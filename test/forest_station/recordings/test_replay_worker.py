@@ -22,7 +22,7 @@ def asked(action):
     """What an action of a worker's returns."""
 
     async def run():
-        worker = ReplayWorker(load_machine())
+        worker = ReplayWorker(load_machine("c180_hoses"))
         try:
             return await action(worker)
         finally:
@@ -46,7 +46,7 @@ def test_the_process_answers_as_the_room_does_nicely_and_in_little_memory():
         return told, data, of_process(pid, "VmHWM") / 1024, os.getpriority(os.PRIO_PROCESS, pid)
 
     told, data, memory, nice = asked(action)
-    bag = ReplayBag(BAG, load_machine())
+    bag = ReplayBag(BAG, load_machine("c180_hoses"))
     assert told["signals"] == list(bag.units.items())
     assert data == frames(bag, window(0.0, 5.0, 30.0))
     assert memory < MEMORY_MB
@@ -90,13 +90,13 @@ def test_a_process_that_died_or_hangs_is_told_and_the_next_bag_is_read():
 
 
 def test_what_is_wrong_with_a_question_is_the_answer(tmp_path):
-    bags = _OpenBags(load_machine())
+    bags = _OpenBags(load_machine("c180_hoses"))
     assert "allowed" in str(bags.answer("frames", str(BAG), 0.0, 1.0, -1.0))
     assert "cannot be read" in str(bags.answer("describe", str(tmp_path / "none.mcap")))
 
 
 def test_few_bags_are_open_at_once_and_one_that_has_grown_is_opened_anew(tmp_path):
-    bags = _OpenBags(load_machine())
+    bags = _OpenBags(load_machine("c180_hoses"))
     first = bags.get(str(BAG))
     assert bags.get(str(BAG)) is first
     for name in ("valves", "fault"):

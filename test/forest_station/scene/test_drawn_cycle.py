@@ -11,11 +11,11 @@ from forest_control.taught.cycle_file import load_cycle
 from forest_description.machine import load_machine
 from forest_station.scene.drawn_cycle import MOST, drawn_cycle
 
-C180, NOWHERE = load_machine("c180"), Path("none")
+C180, NOWHERE = load_machine("c180_hoses"), Path("none")
 
 
 def test_a_shipped_cycle_is_told_in_words_and_drawn_from_its_first_place():
-    shown = drawn_cycle(load_cycle("reach-grasp", NOWHERE), C180, "c180")
+    shown = drawn_cycle(load_cycle("reach-grasp", NOWHERE), C180, "c180_hoses")
     assert shown["trouble"] == ""
     kinds = [segment["kind"] for segment in shown["segments"]]
     assert kinds == ["path", "grapple", "path", "grapple", "pose"]

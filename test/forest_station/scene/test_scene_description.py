@@ -22,7 +22,7 @@ from forest_station.scene.crane_signals import CRANE_JOINTS, crane_signals
 from forest_station.scene.scene_description import scene_from_urdf, scene_of
 from forest_station.scene.urdf_tree import SceneError, frames
 
-NAMES = ("c180", "c180_thesis", "loader")
+NAMES = ("c180_hoses", "c180_thesis", "loader")
 MACHINES = {name: load_machine(name) for name in NAMES}
 EVERY = pytest.mark.parametrize("machine", MACHINES.values(), ids=NAMES)
 
@@ -77,9 +77,9 @@ def _sizes(shape):
 
 def test_a_log_is_drawn_with_the_hanging_head():
     manipulator = dataclasses.replace(
-        MACHINES["c180"].manipulator, pendulum=Pendulum(1.0, 50.0, 10.0), log=Log(500.0, 1.4, 0.0)
+        MACHINES["c180_hoses"].manipulator, pendulum=Pendulum(1.0, 50.0, 10.0), log=Log(500.0, 1.4, 0.0)
     )
-    machine = dataclasses.replace(MACHINES["c180"], manipulator=manipulator)
+    machine = dataclasses.replace(MACHINES["c180_hoses"], manipulator=manipulator)
     scene = scene_of(machine)
     assert [visual["shape"] for visual in scene["links"]["head"]] == ["sphere", "cylinder"]
     assert {joint["name"] for joint in scene["joints"] if joint["signal"]} == {
@@ -112,7 +112,7 @@ def test_signals_are_the_joints_themselves_and_nan_where_nobody_knows(machine):
 def test_walls_are_those_of_the_file_and_keep_the_tip_as_far():
     """The page's distance to a drawn wall is the controller's: the corners and faces agree."""
     workspace = load_workspace("c180")
-    ground, cab, pillar = scene_of(MACHINES["c180"], workspace)["walls"]
+    ground, cab, pillar = scene_of(MACHINES["c180_hoses"], workspace)["walls"]
     assert [wall["kind"] for wall in (ground, cab, pillar)] == ["plane", "box", "cylinder"]
     on_each = (
         (0.0, 0.0, ground["offset"]),
@@ -125,14 +125,14 @@ def test_walls_are_those_of_the_file_and_keep_the_tip_as_far():
     )
     for point, wall in zip(on_each, workspace.walls, strict=False):
         assert clearance(point, wall).distance == pytest.approx(0.0, abs=1e-12)
-    assert scene_of(MACHINES["c180"], workspace)["ground"] == ground["offset"]
+    assert scene_of(MACHINES["c180_hoses"], workspace)["ground"] == ground["offset"]
 
 
 def test_slow_zone_is_where_the_fastest_tip_begins_to_brake():
     workspace = load_workspace("c180")
-    scene = scene_of(MACHINES["c180"], workspace, tip_speed=0.8)
+    scene = scene_of(MACHINES["c180_hoses"], workspace, tip_speed=0.8)
     assert scene["slow_zone"] == 0.8 / workspace.approach
-    assert scene_of(MACHINES["c180"])["walls"] == []
+    assert scene_of(MACHINES["c180_hoses"])["walls"] == []
 
 
 @EVERY
@@ -231,16 +231,17 @@ def test_what_cannot_be_drawn_is_told_in_a_sentence(text, said):
 
 def test_what_the_page_cannot_draw_is_left_out_and_fixed_turns_count():
     """Of another's robot description: a mesh has no place here, an origin may be turned."""
-    text = robot_description(MACHINES["c180"])
+    text = robot_description(MACHINES["c180_hoses"])
     mesh = "<visual><geometry><mesh filename='x.stl'/></geometry></visual><visual/>"
     turned = text.replace('<link name="tip" />', f'<link name="tip">{mesh}</link>').replace(
         'rpy="0.0 0.0 0.0"', 'rpy="0.0 0.0 1.5707963267948966"', 1
     )
     assert turned.count("mesh") == 1
     assert scene_from_urdf(turned)["links"]["tip"] == []
-    scene = scene_of(MACHINES["c180"])
+    scene = scene_of(MACHINES["c180_hoses"])
     scene["joints"][0]["rpy"] = [0.0, 0.0, math.pi / 2]
     ahead, left = (
-        frames(joints, {})["tip"][:3, 3] for joints in (scene_of(MACHINES["c180"])["joints"], scene["joints"])
+        frames(joints, {})["tip"][:3, 3]
+        for joints in (scene_of(MACHINES["c180_hoses"])["joints"], scene["joints"])
     )
     np.testing.assert_allclose(left, [-ahead[1], ahead[0], ahead[2]], atol=1e-12)

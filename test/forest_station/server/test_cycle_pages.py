@@ -43,7 +43,7 @@ class Node:
 @pytest.fixture
 def station(tmp_path):
     save_cycle(LOAD, tmp_path)
-    graph = SimpleNamespace(cycles=Node(tmp_path), machine=load_machine("c180"))
+    graph = SimpleNamespace(cycles=Node(tmp_path), machine=load_machine("c180_hoses"))
     cab = SimpleNamespace(seat=SimpleNamespace(driver="1"))
     return SimpleNamespace(graph=graph, cab=cab, walls=lambda: ("c180", 0.5))
 

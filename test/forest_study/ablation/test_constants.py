@@ -24,7 +24,7 @@ def test_a_change_reaches_who_imported_the_constant_and_nobody_who_has_one_of_th
 
 
 def test_constants_of_a_room_and_settings_of_a_node_are_found():
-    found = numbers(("servo", "controller"), load_machine("c180"))
+    found = numbers(("servo", "controller"), load_machine("c180_hoses"))
     assert found["servo.inching.LOOK"] == 0.35
     assert found["controller.feedback_gain"][1] == 5.0
     assert "servo.coordinated_servo.FULL_RATE" not in found  # imported: it has one home

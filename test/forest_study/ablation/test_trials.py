@@ -47,20 +47,20 @@ def test_the_error_at_rest_is_a_mean_over_half_a_second():
 
 
 def test_equal_seeds_are_equal_pushes_within_the_limits():
-    machine = load_machine("c180")
+    machine = load_machine("c180_hoses")
     assert push(machine, 3) == push(machine, 3) != push(machine, 4)
 
 
 def test_only_the_named_axes_are_misjudged():
-    believed = misjudged(load_machine("c180"), 1.2, (1,))
+    believed = misjudged(load_machine("c180_hoses"), 1.2, (1,))
     overlaps = [believed.valve_of(axis).law.backward.deadband_voltage for axis in range(3)]
     assert overlaps == pytest.approx([1.0, 1.2, 1.0])
 
 
 def test_a_hold_zone_that_is_gone_lets_the_valves_cycle():
     """With it nothing does: `test_valve_driver_at_rest`."""
-    trial = Trial("c180", {"valve_driver.hold_zone": 0.0}, pushes=1, overlap=1.1, tilt=0.0)
-    assert pushed(load_machine("c180"), 0, trial, changed(trial.changes)).cycles
+    trial = Trial("c180_hoses", {"valve_driver.hold_zone": 0.0}, pushes=1, overlap=1.1, tilt=0.0)
+    assert pushed(load_machine("c180_hoses"), 0, trial, changed(trial.changes)).cycles
 
 
 def test_a_table_from_the_command_line(tmp_path, capsys, monkeypatch):

@@ -18,7 +18,7 @@ from forest_description.machine import load_machine
 from forest_msgs_py.types import PERIOD
 from forest_study.closed_loop import loop_kernel
 
-C180, LOADER = load_machine("c180"), load_machine("loader")
+C180, LOADER = load_machine("c180_hoses"), load_machine("loader")
 DIRECTIONS = [d for d in itertools.product((-1.0, 0.0, 1.0), repeat=3) if any(d)]
 LEAST, FARTHEST = 0.49, 3.0  # [deg] that a joint must keep, and may stay away
 
@@ -32,7 +32,7 @@ def pushed(machine, levers, settings, duration):
     return moved, np.degrees(np.minimum(moved.angles - low, high - moved.angles))
 
 
-@pytest.mark.parametrize("machine", [C180, LOADER], ids=["c180", "loader"])
+@pytest.mark.parametrize("machine", [C180, LOADER], ids=["c180_hoses", "loader"])
 @pytest.mark.parametrize("sign", [-1.0, 1.0], ids=["retracts", "extends"])
 @pytest.mark.parametrize("joint", [1, 2], ids=["boom", "stick"])
 def test_a_cylinder_slows_down_by_its_stroke_and_does_not_overshoot(machine, joint, sign):

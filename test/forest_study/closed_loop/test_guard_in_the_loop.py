@@ -30,7 +30,7 @@ from forest_study.closed_loop.link_model import Quality, Reports
 from forest_study.closed_loop.loop_core import Guarded, Knowledge, Loop
 from forest_study.thesis.thesis_machine import machine_of, settings_of
 
-C180 = load_machine("c180")
+C180 = load_machine("c180_hoses")
 START = inverse_kinematics((5.5, 0.0, 1.0), C180.manipulator.links)
 PUSHED = levers_for_tip_velocity((0.0, 0.3, 0.2), 0.5)
 FAULT = 1.0  # [s]

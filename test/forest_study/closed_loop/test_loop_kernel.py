@@ -23,7 +23,7 @@ from forest_sim.sensors.sensor_suite import sensor_suite
 from forest_study.closed_loop import closed_loop, loop_core, loop_kernel
 from forest_study.closed_loop.closed_loop import Operator
 
-C180 = load_machine("c180")
+C180 = load_machine("c180_hoses")
 START = inverse_kinematics((5.5, 0.0, 1.0), C180.manipulator.links)
 USUAL = controller_settings.Settings(), valve_driver_parameters.Settings()
 ROWS = 240
@@ -100,7 +100,7 @@ def test_the_core_interpreted_is_the_core_compiled():
 def test_all_machines_and_settings_share_one_shape():
     """Or a kernel made for one would misread another's numbers."""
     shapes = set()
-    for name in ("c180", "c180_thesis", "loader"):
+    for name in ("c180_hoses", "c180_thesis", "loader"):
         machine = load_machine(name)
         k = loop_kernel.knowledge(
             machine,

@@ -1,4 +1,4 @@
-"""Claims about the crane as it would be built, `c180_real`: what each law of driver and servo is worth.
+"""Claims about the crane as it would be built, `c180`: what each law of driver and servo is worth.
 
 Each is tried against a controller and driver that believe a machine without the effect.
 """
@@ -13,7 +13,7 @@ from forest_description.machine import load_machine
 from forest_study.tracking.paths import path_named
 from forest_study.tracking.tracking import noisy, track
 
-REAL = load_machine("c180_real")
+REAL = load_machine("c180")
 
 
 def plain(drive):

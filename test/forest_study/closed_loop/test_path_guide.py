@@ -125,7 +125,7 @@ def test_a_limit_in_the_loop_costs_time_and_not_the_path():
     from forest_study.tracking import tracking
     from forest_study.tracking.paths import path_named
 
-    machine = load_machine("c180")
+    machine = load_machine("c180_hoses")
     course = tracking.prepare(path_named("circle_v"), 1.0, Scheme.COORDINATED, machine)
     rates = controller_settings.Settings().joint_rates
     slow = course.settings._replace(joint_rates=tuple(0.2 * rate for rate in rates))

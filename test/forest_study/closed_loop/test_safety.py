@@ -19,7 +19,7 @@ from forest_sim.sensors.sensor_suite import sensor_suite
 from forest_study.closed_loop.closed_loop import ClosedLoop, Operator
 from forest_study.closed_loop.loop_kernel import by_heart as run
 
-C180 = load_machine("c180")
+C180 = load_machine("c180_hoses")
 START = inverse_kinematics((5.5, 0.0, 1.0), C180.manipulator.links)
 SPEED = 0.5  # [m/s]
 FAULT = 1.2  # [s] when something happens to the joystick
@@ -107,12 +107,12 @@ def test_let_go_the_tip_stops_along_its_path_within_a_quarter_second_and_70_mm(d
 # Start [deg], levers' deflections and for how long [s]; what ails the crane when the deadman is let go.
 MOTIONS = {
     "swing behind its reference": (
-        "c180",
+        "c180_hoses",
         (85.4, 58.0, -53.2),
         [(0.855, (0.09, -0.68, 0.14)), (1.29, (-0.5, 0.05, -0.17)), (1.48, (0.49, -0.06, 0.08))],
     ),
     "swing rocks": (
-        "c180",
+        "c180_hoses",
         (176.0, 48.1, -72.8),
         [(0.955, (-0.37, -0.66, -0.26)), (0.36, (0.95, 0.02, 0.32))],
     ),

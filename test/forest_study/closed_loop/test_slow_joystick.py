@@ -13,7 +13,7 @@ from forest_study.closed_loop.closed_loop import Operator
 from forest_study.closed_loop.loop_kernel import by_heart as run
 
 SPEED, SECONDS = 0.5, 4.0  # [m/s], [s]
-C180 = load_machine("c180")
+C180 = load_machine("c180_hoses")
 
 
 def greatest_error(period, held):

@@ -18,7 +18,7 @@ from forest_study.closed_loop.closed_loop import Operator
 from forest_study.closed_loop.loop_kernel import by_heart as run
 from forest_study.tracking.tracking import noisy
 
-C180 = load_machine()
+C180 = load_machine("c180_hoses")
 START = (0.2, 0.5, -1.6)
 PUSHED, RELEASED, END = 0.5, 1.5, 6.0  # [s]
 
@@ -89,7 +89,7 @@ OVERLAPS = {"exact": (1.0, 1.0), "a tenth too wide": (1.1, 1.1), "one way": (1.0
 
 
 @pytest.mark.parametrize("overlap", OVERLAPS.values(), ids=OVERLAPS)
-@pytest.mark.parametrize("name", ["c180", "loader", "unknown:1", "unknown:2"])
+@pytest.mark.parametrize("name", ["c180_hoses", "loader", "unknown:1", "unknown:2"])
 def test_after_any_push_the_tip_comes_to_rest_where_it_should(name, overlap):
     """From 2.5 s after the push on no valve opens; what still moves is the boom on its oil, which rocks."""
     machine = load_machine(name)
@@ -104,7 +104,7 @@ def test_after_any_push_the_tip_comes_to_rest_where_it_should(name, overlap):
         assert np.ptp(means, axis=0).max() < 1.5e-3
 
 
-@pytest.mark.parametrize("name", ["c180", "loader"])
+@pytest.mark.parametrize("name", ["c180_hoses", "loader"])
 def test_nothing_chatters_after_the_deadman_was_let_go_and_pressed_again(name):
     machine = load_machine(name)
     for seed in range(8):
@@ -114,7 +114,7 @@ def test_nothing_chatters_after_the_deadman_was_let_go_and_pressed_again(name):
 
 def test_a_swing_with_backlash_is_left_alone_within_half_its_free_way():
     """Hysteresis, a bearing that sticks, a gear with play: from 4 s on, one of 20 opens once."""
-    real = load_machine("c180_real")
+    real = load_machine("c180")
     unknown = dataclasses.replace(real, swing=dataclasses.replace(real.swing, backlash=None))
     moving = {True: 0, False: 0}
     for seed in range(20):

@@ -38,7 +38,7 @@ def test_a_graph_in_lockstep_records_what_the_laws_say_without_one(own_domain, t
     out = tmp_path / "bags"
     asked = ("experiment", "validation", "--exact", "--trial", str(SHORT), "--out", str(out))
     assert main(asked) == 0
-    alone = experiment("validation", load_machine("c180"), exact=True, longest=SHORT)
+    alone = experiment("validation", load_machine("c180_hoses"), exact=True, longest=SHORT)
     session = session_bag.read(out / "validation")
     assert (session.name, session.metadata) == ("validation", {"exact_sensors": 1.0})
     assert np.abs(session.voltages).max(axis=0).min() > 1.0
@@ -51,7 +51,7 @@ def test_without_a_graph_the_bag_gives_the_session_back(tmp_path):
     asked = ("experiment", "spool_lag", "--direct", "--trial", str(TRIAL), "--seed", "2", "--out", str(out))
     assert main(asked) == 0
     session, again = (
-        experiment("spool_lag", load_machine("c180"), seed=2, longest=TRIAL),
+        experiment("spool_lag", load_machine("c180_hoses"), seed=2, longest=TRIAL),
         session_bag.read(out / "spool_lag"),
     )
     assert (again.name, again.metadata) == (session.name, session.metadata)
@@ -63,7 +63,7 @@ def test_without_a_graph_the_bag_gives_the_session_back(tmp_path):
 
 def test_a_rig_in_the_graph_is_driven_as_without_it_and_has_its_second_meter_behind_the_hose(bags):
     session = session_bag.read(bags / "spool_lag")
-    alone = experiment("spool_lag", load_machine("c180"), seed=2, longest=TRIAL)
+    alone = experiment("spool_lag", load_machine("c180_hoses"), seed=2, longest=TRIAL)
     assert np.array_equal(session.voltages, alone.voltages)
     for meter in ("swing_flow", "stick_flow"):
         assert np.abs(session.column(meter) - alone.column(meter)).max() < 1.5e-5  # [m^3/s], ten deviations
@@ -88,7 +88,7 @@ def test_a_fit_writes_a_machine_that_loads_and_a_report_that_stands_alone(bags, 
         (["experiment", "valve"], "--out DIR is missing"),
         (["fit", "nowhere", "--out", "x.yaml"], "no bag there"),
         (["fit", "nowhere", "--out", "x.txt"], "ends in .yaml"),
-        (["validate", "nowhere", "--model", "c180"], "nowhere"),
+        (["validate", "nowhere", "--model", "c180_hoses"], "nowhere"),
     ],
 )
 def test_bad_input_gets_one_sentence(arguments, sentence, capsys, tmp_path, monkeypatch):

@@ -11,7 +11,7 @@ from forest_study.closed_loop.link_model import Quality
 from forest_study.latency import delay_study
 from forest_study.latency.delay_study import RELEASE, score, session
 
-C180 = load_machine("c180")
+C180 = load_machine("c180_hoses")
 
 
 def test_a_perfect_link_is_no_link_and_a_late_joystick_is_late_by_its_delay():

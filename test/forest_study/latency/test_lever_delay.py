@@ -16,7 +16,7 @@ from forest_study.closed_loop.closed_loop import Operator
 from forest_study.closed_loop.loop_kernel import by_heart as run
 from forest_study.latency.lever_delay import lever_to_valve_ms
 
-C180 = load_machine("c180")
+C180 = load_machine("c180_hoses")
 SECONDS, THROWN = 1.6, 0.5  # [s]
 PUSHED = Levers(0.0, 0.0, 0.6)
 NOTHING = {"first": None, "half_step": None, "half_way": None}

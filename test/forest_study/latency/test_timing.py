@@ -18,7 +18,7 @@ from forest_study.closed_loop import closed_loop
 from forest_study.latency import timing
 from forest_study.latency.timing import Session, Timing, drawn, replayed, score
 
-C180 = load_machine("c180")
+C180 = load_machine("c180_hoses")
 SECONDS, STEP_NS = 6.0, 5_000_000
 ON_TIME = Timing((), (), ())
 BAG = Path(__file__).resolve().parents[3] / "bags" / "coordinated"

@@ -21,7 +21,7 @@ from forest_study.matrix.matrix_runs import Figures, Outcome, run_row
 from forest_study.matrix.rivals import RIVALS
 from forest_study.tracking.paths import path_named
 
-REAL, ROWS = load_machine("c180_real"), matrix_rows()
+REAL, ROWS = load_machine("c180"), matrix_rows()
 NONE = Figures(*[0.0] * len(Figures._fields))
 
 

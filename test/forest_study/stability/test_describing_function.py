@@ -32,14 +32,14 @@ def test_a_dead_zone(amplitude):
 
 def test_the_swing_cycles_as_it_is_told():
     """An overlap thought a tenth too wide, and nothing that would keep the loop from cycling."""
-    machine = load_machine("c180")
+    machine = load_machine("c180_hoses")
     tip = start_tip(machine)
     told = limit_cycle(machine, pose_at(tip, machine), 0, 0.1, Settings())
-    simulated = seen(Case(machine="c180", tip=tip, axis=0, overlap=1.1))
+    simulated = seen(Case(machine="c180_hoses", tip=tip, axis=0, overlap=1.1))
     assert told.angle == pytest.approx(simulated.amplitude, rel=0.25)
     assert told.frequency == pytest.approx(simulated.frequency, rel=0.35)
 
 
 def test_an_overlap_thought_too_narrow_makes_no_limit_cycle():
-    machine = load_machine("c180")
+    machine = load_machine("c180_hoses")
     assert limit_cycle(machine, pose_at(start_tip(machine), machine), 0, -0.1, Settings()) is None

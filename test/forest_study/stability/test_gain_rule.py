@@ -11,7 +11,7 @@ from forest_sim.simulation.open_loop import start_angles
 from forest_study.stability.margins import margins
 from forest_study.stability.position_loop import FREQUENCY, position_loop
 
-SHIPPED = ("c180_thesis", "c180", "c180_real", "loader", "forwarder")
+SHIPPED = ("c180_thesis", "c180_hoses", "c180", "loader", "forwarder")
 DRAWN = ("unknown:1", "unknown:2", "unknown:3", "unknown:4", "unknown:5")
 
 

@@ -57,7 +57,7 @@ def linear(machine):
 
 @pytest.mark.parametrize(
     ("name", "axis", "volts"),
-    [("c180_real", 0, 3.0), ("c180_real", 1, 3.0), ("c180_real", 2, 3.0), ("forwarder", 1, 4.0)],
+    [("c180", 0, 3.0), ("c180", 1, 3.0), ("c180", 2, 3.0), ("forwarder", 1, 4.0)],
 )
 def test_proportional_control_swings_up_beyond_the_gain_that_is_told_and_calms_below(name, axis, volts):
     machine = linear(load_machine(name))
@@ -75,7 +75,7 @@ def test_proportional_control_swings_up_beyond_the_gain_that_is_told_and_calms_b
 
 def test_from_the_command_line(tmp_path, capsys):
     out = tmp_path / "bode"
-    assert main(["bode", "--machine", "c180", "--tip", "5.5", "0", "1", "--out", str(out)]) == 0
+    assert main(["bode", "--machine", "c180_hoses", "--tip", "5.5", "0", "1", "--out", str(out)]) == 0
     printed = capsys.readouterr().out
     assert all(axis in printed for axis in AXES)
     told = json.loads((out / "bode.json").read_text("utf-8"))

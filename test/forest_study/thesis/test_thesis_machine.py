@@ -52,7 +52,7 @@ def test_a_mismatch_changes_the_valves_flow_and_the_spools_but_not_what_is_belie
     exact, wrong = machine_of("2 Hz"), machine_of("2 Hz", 0.25)
     assert wrong.valve.spool_bandwidth == pytest.approx(2.5)
     assert wrong.valve.minimum_resistance == pytest.approx(1.25**2 * exact.valve.minimum_resistance)
-    assert machine_of("as built") == thesis_machine.load_machine("c180")
+    assert machine_of("as built") == thesis_machine.load_machine("c180_hoses")
 
 
 def test_gains_for_slow_spools_are_the_thesis_own():

@@ -18,7 +18,7 @@ from forest_msgs_py.types import PERIOD
 from forest_study.closed_loop.closed_loop import Operator
 from forest_study.tracking.taught_loop import TaughtLoop
 
-MACHINE = load_machine("c180")
+MACHINE = load_machine("c180_hoses")
 START = (5.5, 0.0, 1.0)
 POSE = pose_at(START, MACHINE)
 HELD, RELEASED = Operator(REST), Operator(REST, enabled=False)

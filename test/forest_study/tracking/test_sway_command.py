@@ -30,5 +30,7 @@ def test_the_command_tells_and_draws(tmp_path, capsys):
 
 
 def test_a_machine_without_a_hanging_head_is_refused(tmp_path, capsys):
-    assert main(["sway", "--machine", "c180", "--out", str(tmp_path / "sway")]) == 1
-    assert "nothing hangs from the tip of c180; allowed: manipulator.pendulum" in capsys.readouterr().err
+    assert main(["sway", "--machine", "c180_hoses", "--out", str(tmp_path / "sway")]) == 1
+    assert (
+        "nothing hangs from the tip of c180_hoses; allowed: manipulator.pendulum" in capsys.readouterr().err
+    )

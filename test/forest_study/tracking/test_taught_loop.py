@@ -21,7 +21,7 @@ from forest_study.closed_loop.closed_loop import Operator
 from forest_study.tracking.taught_loop import TaughtLoop, cross_track
 from forest_study.tracking.tracking import noisy
 
-C180 = load_machine("c180")
+C180 = load_machine("c180_hoses")
 START = (5.5, 0.0, 0.8)
 HELD, RELEASED = Operator(REST), Operator(REST, enabled=False)
 STOPPED = 0.25  # [s] as docs/explanation/safety.md tells

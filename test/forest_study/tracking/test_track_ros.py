@@ -21,7 +21,7 @@ from forest_study.tracking.paths import path_named
 from forest_study.tracking.tracking import noisy, track
 
 WAY = "x,y,z\n5.5,0,1\n5.51,0.01,1.01\n"
-MACHINE, MODEL = load_machine("c180"), load_machine("c180_thesis")
+MACHINE, MODEL = load_machine("c180_hoses"), load_machine("c180_thesis")
 SEED, SPEED = 5, 0.3
 SCHEME = Scheme.JACOBIAN_VELOCITY
 OPTIONS = (

@@ -25,7 +25,7 @@ from forest_study.closed_loop.path_guide import Hand
 from forest_study.tracking import track_command, tracking
 from forest_study.tracking.track_runs import Variation, quantiles, run_many
 
-C180 = load_machine("c180")
+C180 = load_machine("c180_hoses")
 WAY = polyline("way", [(5.5, 0.0, 1.0), (5.5, 0.2, 1.1)])
 NONE = Ranges(0.0, 0.0, 1.0, 1.0)
 
@@ -152,7 +152,7 @@ def test_what_more_is_drawn_leaves_valves_head_and_spools_as_they_were():
 
 
 def test_every_part_of_a_machine_is_what_was_drawn():
-    real = load_machine("c180_real")
+    real = load_machine("c180")
     off, own = model_mismatch.draw(12, HIDDEN), parameters_of(real)
     p = model_mismatch.applied(real, off._replace(oil=None))
     assert p.swing.oil_1.wall == pytest.approx(own.swing.oil_1.wall / off.hoses[0], rel=0.3)
@@ -177,7 +177,7 @@ def test_extremes_of_what_is_drawn_follow_their_ranges():
 
 
 def test_none_of_it_is_none_and_nothing_drawn_is_as_in_the_file():
-    real, none = load_machine("c180_real"), Ranges(0.0, 0.0, 1.0, 1.0)
+    real, none = load_machine("c180"), Ranges(0.0, 0.0, 1.0, 1.0)
     bare = model_mismatch.applied(real, model_mismatch.draw(3, none._replace(hysteresis=0.0, backlash=0.0)))
     assert {valve.lag.play for valve in bare.valves} == {0.0}
     assert model_mismatch.applied(real, model_mismatch.draw(3, none)) == parameters_of(real)

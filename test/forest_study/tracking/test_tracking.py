@@ -18,7 +18,7 @@ from forest_study import cli
 from forest_study.tracking.paths import NAMES, path_named
 from forest_study.tracking.tracking import noisy, plan, track
 
-C180 = load_machine("c180")
+C180 = load_machine("c180_hoses")
 UNLIMITED = 100.0
 
 

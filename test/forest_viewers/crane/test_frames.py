@@ -57,7 +57,7 @@ def test_every_link_is_where_another_library_puts_it(urdf):
 
 
 def test_a_joint_that_is_not_told_follows_its_leader():
-    joints = urdf_joints(robot_description(load_machine("c180")))
+    joints = urdf_joints(robot_description(load_machine("c180_hoses")))
     (rod,) = (joint for joint in joints if joint.name == "boom_cylinder_rod")
     frames = {frame.child: frame for frame in moving_frames(joints, {"boom": 0.5})}
     assert frames[rod.child].translation[0] == pytest.approx(rod.xyz[0] + rod.offset + 0.5 * rod.multiplier)
@@ -69,7 +69,7 @@ def test_a_text_that_is_no_urdf_is_one_sentence():
 
 
 def test_the_joints_that_are_published_are_those_of_the_urdf_and_of_the_table():
-    for name in ("c180", "loader"):
+    for name in ("c180_hoses", "loader"):
         machine = load_machine(name)
         moving = {joint.name for joint in urdf_joints(robot_description(machine)) if joint.kind != "fixed"}
         assert set(joint_names(machine)) == moving

@@ -12,7 +12,7 @@ from forest_description.types import ZERO
 from forest_viewers.crane.shapes import LINE, THIN, scene_shapes, trail_shapes
 from forest_viewers.crane.trail import Point, Trail
 
-C180 = load_machine("c180")
+C180 = load_machine("c180_hoses")
 
 
 WALLS = load_workspace("c180")

@@ -42,7 +42,7 @@ def test_the_frames_lead_to_the_tip_that_the_joints_give(shown):
     assert [frame.child_frame_id for frame in static.transforms][-1] in {"tip", "head"}
     joints = {stamp(message.header): message for topic, _, message in told if "joint" in topic}
     moved = [message for topic, _, message in told if topic == "/tf"]
-    links = load_machine("c180").manipulator.links
+    links = load_machine("c180_hoses").manipulator.links
     assert len(moved) > 10
     for message in moved[::7]:
         frames = {frame.child_frame_id: frame.transform for frame in message.transforms}

@@ -1,6 +1,6 @@
 """A machine that nobody knows: ``unknown``, ``unknown:SEED`` or ``unknown:SEED:BASE`` in place of a name.
 
-What identification is there to find is drawn within 40 % of what the base (c180) says, each number
+What identification is there to find is drawn within 40 % of what the base (c180_hoses) says, each number
 on its own, evenly; a valve that the base tells once gets two unlike directions. What a person reads
 off a gauge, a plate or a drawing stays: pump, geometry, masses, sensors. An overlap stays below the
 voltages at which a valve's curve was measured.
@@ -22,7 +22,7 @@ from forest_description.config.parameter import MachineError
 
 WORD = "unknown"
 FORM = "unknown, unknown:SEED or unknown:SEED:BASE, with SEED 0 .. 2147483647 and BASE a shipped machine"
-BASE = "c180"
+BASE = "c180_hoses"
 WITHIN = 0.4
 SECTIONS = ("valve", "hose", "swing", "boom", "stick")
 DRAWN = (

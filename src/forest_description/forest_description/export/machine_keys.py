@@ -16,7 +16,7 @@ the way to a file of your own in [another machine file](../how-to/another-machin
 A machine is a YAML file. Each number has its unit and its source, and so has each row of numbers:
 
 ```yaml
-based_on: c180            # optional: a shipped machine or another file; then only what differs is given
+based_on: c180_hoses            # optional: a shipped machine or another file; then only what differs is given
 name: my_crane            # optional: the file's name without suffix
 description: A crane with smaller hoses and an underlapped swing valve
 swing:
@@ -43,7 +43,7 @@ manipulator:
 - A polynomial C_R must fall from `deadband_voltage` to `rated_voltage`. The first is negative if
   the valve is underlapped.
 
-**Drawn machines.** `unknown:SEED` in place of a machine's name is drawn within 40 % of c180, in all
+**Drawn machines.** `unknown:SEED` in place of a machine's name is drawn within 40 % of c180_hoses, in all
 that [identification](../explanation/identification.md) finds. `unknown` is seed 0, and
 `unknown:SEED:loader` is drawn from another machine. Equal seeds are one machine in every command.
 

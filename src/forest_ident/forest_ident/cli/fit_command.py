@@ -31,7 +31,7 @@ def add_parser(verbs: Any) -> None:
     parser = verbs.add_parser("fit", help=text, description=text[0].upper() + text[1:] + ".")
     parser.set_defaults(command=run)
     parser.add_argument("bags", nargs="+", type=Path, metavar="BAG", help="a bag, or a directory of bags")
-    parser.add_argument("--start", default="c180", metavar="NAME|FILE", help="default: %(default)s")
+    parser.add_argument("--start", default="c180_hoses", metavar="NAME|FILE", help="default: %(default)s")
     parser.add_argument("--out", type=Path, required=True, metavar="FILE.yaml", help="identified machine")
     parser.add_argument("--report", type=Path, metavar="DIR", help="to be made: report.html")
     help_truth = "of a simulated machine: told beside what was found, and not used for it"

@@ -16,7 +16,7 @@ def add_parser(verbs: Any) -> None:
     text = "ask what a missed return pressure and an unmodelled pendulum come from, on simulated machines"
     parser = verbs.add_parser("questions", help=text, description=text[0].upper() + text[1:] + ".")
     parser.set_defaults(command=run)
-    parser.add_argument("--machine", default="c180", metavar="NAME|FILE", help="default: %(default)s")
+    parser.add_argument("--machine", default="c180_hoses", metavar="NAME|FILE", help="default: %(default)s")
     parser.add_argument(
         "--seed", type=whole(0), default=0, metavar="N", help="of sensors and lots (default: 0)"
     )

@@ -116,7 +116,7 @@ def _nothing_to_move(m: Manipulator) -> Manipulator:
 
 @lru_cache(maxsize=1)
 def _usual() -> Sensors:
-    return load_machine("c180").sensors
+    return load_machine("c180_hoses").sensors
 
 
 def meters(machine: Machine) -> Sensors:

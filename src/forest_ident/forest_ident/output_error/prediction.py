@@ -123,7 +123,7 @@ def _interpolated(low: Floats, high: Floats, share: float) -> Floats:
 
 @lru_cache(maxsize=1)
 def _layout() -> tuple[Callable[[Any], flat_layout.Row], Callable[[Any], PlantParameters]]:
-    example = parameters_at(load_machine("c180"), 313.15)
+    example = parameters_at(load_machine("c180_hoses"), 313.15)
     return flat_layout.packer(example), flat_layout.unpacker(example)
 
 

@@ -32,7 +32,7 @@ from forest_sim.solver.state_recording import STATE
 FILES = Path(__file__).resolve().parents[1] / "pumps"
 SORTS: dict[type[Any], str] = {
     IdealPump: "c180_thesis",
-    PressureCompensatedPump: "c180",
+    PressureCompensatedPump: "c180_hoses",
     ConstantFlowPump: str(FILES / "constant_flow.yaml"),
     LoadSensingPump: str(FILES / "load_sensing.yaml"),
 }

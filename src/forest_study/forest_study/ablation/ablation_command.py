@@ -32,7 +32,7 @@ FACTORS = (0.5, 2.0)
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Give the verb its arguments."""
     add = parser.add_argument
-    add("--machine", default="c180_real", metavar="NAME|FILE", help="default: %(default)s")
+    add("--machine", default="c180", metavar="NAME|FILE", help="default: %(default)s")
     add(
         "--constants",
         nargs="+",

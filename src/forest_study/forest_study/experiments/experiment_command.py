@@ -28,7 +28,7 @@ from forest_msgs_py.runtime.command_line import number, whole
 from forest_study.experiments import experiment_graph
 from forest_study.experiments.experiment_graph import Conditions
 
-DEFAULT = "c180"
+DEFAULT = "c180_hoses"
 LOGS = "log"  # beside the bags
 
 

@@ -107,7 +107,7 @@ def _with_vessel(plan: Plan) -> Machine:
     """Return a plan's machine; with a meter where the motor's drain is led into a vessel."""
     if not plan.name.startswith("motor") or plan.machine.sensors.case_drain is not None:
         return plan.machine
-    meter = load_machine("c180").sensors.case_drain
+    meter = load_machine("c180_hoses").sensors.case_drain
     return dataclasses.replace(
         plan.machine, sensors=dataclasses.replace(plan.machine.sensors, case_drain=meter)
     )

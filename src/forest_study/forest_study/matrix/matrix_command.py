@@ -17,7 +17,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add, rows = parser.add_argument, matrix_rows()
     add("--seeds", type=whole(1, 1000), default=10, metavar="N", help="default: %(default)s")
     add("--seed", type=whole(0), default=0, metavar="N", help="the first (default: %(default)s)")
-    add("--machine", default="c180_real", help="what is believed, and drawn from (default: %(default)s)")
+    add("--machine", default="c180", help="what is believed, and drawn from (default: %(default)s)")
     add("--row", nargs="+", choices=tuple(rows), metavar="NAME", help=f"{', '.join(rows)} (default: all)")
     add("--only", nargs="+", choices=FACTORS, default=(), metavar="FACTOR", help="plants differ in it alone")
     add("--without", nargs="+", choices=FACTORS, default=(), metavar="FACTOR", help="in all but this one")

@@ -39,7 +39,7 @@ from forest_study.thesis.thesis_schemes import INTEGRAL_SHARE
 from forest_study.thesis.thesis_study import COORDINATES, MISMATCHES, POLES, SINUSOID, Case, metrics
 from forest_study.thesis.thesis_study import gains as thesis_gains
 
-MACHINE = "c180"
+MACHINE = "c180_hoses"
 REST_BEFORE = 1.0  # [s] in which the coordinated scheme finds the pose that it starts from
 TIP_SPEED = 0.6  # [m/s] at full deflection; the input needs 0.47
 # [1/s] K_p of `coordinated`. More than w_n/6.25 lets the crane rock on its hoses at 2.3 Hz; a spool of 0.2 Hz
