@@ -77,7 +77,7 @@ def _with_constants(value: Any, path: str, parts: tuple[str, ...], names: dict[s
 
 
 def measure(seconds: float, repeats: int) -> list[Row]:
-    """Return rows for the whole kernel, for it without each component and without all, and for `c180_hoses`."""
+    """Return rows for the whole kernel, for it without each component and without all, and `c180_hoses`."""
     voltages = np.ascontiguousarray(benchmark.step_voltages(benchmark.make("open", seconds), STEPS))
     every = [part for parts in COMPONENTS.values() for part in parts]
     whole = kernel_without(())

@@ -1,8 +1,9 @@
 """How `simulate_many` grows with the cores: many machines against one, in the same run.
 
-Every job is a `c180_hoses` of its own (a drawn head mass) under a chirp, with its energy account. One worker does a
-share of the jobs before, and the same share after the rest. By the clock, neighbours on the machine count
-against the many; by CPU time, that of starting the workers included, only what the jobs cost each other.
+Every job is a `c180_hoses` of its own (a drawn head mass) under a chirp, with its energy account. One
+worker does a share of the jobs before, and the same share after the rest. By the clock, neighbours on the
+machine count against the many; by CPU time, that of starting the workers included, only what the jobs cost
+each other.
 """
 
 import os

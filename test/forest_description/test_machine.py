@@ -31,13 +31,13 @@ GALLON_PER_MINUTE, RPM = UNITS["gal/min"].factor, UNITS["rpm"].factor
 MACHINE, THESIS = load_machine("c180_hoses"), load_machine("c180_thesis")
 
 
-def test_four_machines_are_shipped_and_c180_is_the_default():
-    assert shipped_machines() == ["c180_hoses", "c180", "c180_thesis", "forwarder", "loader"]
-    assert load_machine("c180_hoses") == MACHINE
+def test_five_machines_are_shipped_and_c180_is_the_default():
+    assert shipped_machines() == ["c180", "c180_hoses", "c180_thesis", "forwarder", "loader"]
+    assert load_machine() == load_machine("c180")
     assert (MACHINE.name, THESIS.name) == ("c180_hoses", "c180_thesis")
 
 
-def test_c180_adds_to_the_thesis_machine_only_what_its_file_says():
+def test_c180_hoses_adds_to_the_thesis_machine_only_what_its_file_says():
     changed = dataclasses.replace(
         THESIS,
         name=MACHINE.name,

@@ -22,12 +22,13 @@ from forest_msgs_py.interfaces import topics
 from forest_msgs_py.interfaces.messages import float_array, read_float_array, stamp_to_ns
 from forest_sim.sensors.sensor_suite import CHANNELS, sensor_suite
 
-MACHINE = load_machine("c180_hoses")
+MACHINE = load_machine()
 PERIOD_NS = 5_000_000
 CATCH_UP = 20  # periods that a late machine still makes up for
 MARGIN = 0.5  # [s] for a busy machine, beside the timeouts
 VOLTS = (4.0, -4.0, 4.0)
 ZERO = (0.0, 0.0, 0.0)
+PLAY = 0.5 * MACHINE.valve.hysteresis + 0.01  # [V] a spool stops short of its voltage by so much
 STREAMS = [
     t for t in topics.TOPICS if "simulator" in t.publishers and t.rate_hz == 200.0 and t != topics.CLOCK
 ]
@@ -78,10 +79,10 @@ class Rig:
         return values[:3]
 
     def open(self):
-        return self.spools() == pytest.approx(VOLTS, abs=0.01)
+        return self.spools() == pytest.approx(VOLTS, abs=PLAY)
 
     def centred(self):
-        return self.spools() == pytest.approx(ZERO, abs=0.01)
+        return self.spools() == pytest.approx(ZERO, abs=PLAY)
 
 
 @pytest.fixture
@@ -288,7 +289,7 @@ def test_namespace_plain_arrays_and_arrays_typed_by_hand_work(peer, start_simula
 
     def answered():
         speaker.publish(typed(*VOLTS))
-        return spools and list(spools[-1].data[:3]) == pytest.approx(VOLTS, abs=0.01)
+        return spools and list(spools[-1].data[:3]) == pytest.approx(VOLTS, abs=PLAY)
 
     peer.until(answered)
     assert spools[-1].layout.data_offset == 0

@@ -43,6 +43,7 @@ def test_the_machine_can_be_loaded_from_the_bag_s_files(bag, tmp_path):
     assert [name for name in bag.files if name.startswith("machine/")] == [
         "machine/mine.yaml",
         "machine/c180.yaml",
+        "machine/c180_hoses.yaml",
         "machine/c180_thesis.yaml",
     ]
     copy = tmp_path / "from_bag" / "mine.yaml"

@@ -162,7 +162,7 @@ def test_contradicting_values_name_file_key_and_line(write, section, line, messa
 
 def test_unknown_machine_is_answered_with_the_known_ones():
     assert complaint("c190") == (
-        "no machine named 'c190': there are c180_hoses, c180, c180_thesis, forwarder, loader, unknown:SEED; "
+        "no machine named 'c190': there are c180, c180_hoses, c180_thesis, forwarder, loader, unknown:SEED; "
         "a file needs its suffix (.yaml)"
     )
 

@@ -61,7 +61,7 @@ def test_simulate_leaves_trajectory_pictures_and_summary(forest_sim, tmp_path):
         assert png_size(out / name)[0] >= 1000
     assert all(str(path) in told for path in (out / "trajectory", out / "power.png"))
     summary = json.loads((out / "summary.json").read_text())
-    assert summary["machine"] == "c180_hoses"
+    assert summary["machine"] == "c180"
     assert summary["duration_s"] == 2.5
     assert summary["real_time_factor"] > 1.0
     energy = summary["energy_j"]
@@ -182,7 +182,7 @@ def test_equilibrium_tells_pressures_that_hold_the_crane(forest_sim):
 
 
 def test_modes_at_a_pose_and_as_json(forest_sim):
-    code, table, _ = forest_sim("modes", "--angles", "0", "30", "-90")
+    code, table, _ = forest_sim("modes", "--machine", "c180_hoses", "--angles", "0", "30", "-90")
     assert code == 0
     assert [line.split()[2] for line in table.splitlines()[2:5]] == ["swing", "boom", "stick"]
     code, told, _ = forest_sim("modes", "--angles", "0", "30", "-90", "--voltages", "-5", "0", "0", "--json")

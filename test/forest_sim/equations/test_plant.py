@@ -42,7 +42,7 @@ def test_derivative_equals_the_corrected_appendix_b():
 
 
 def test_the_default_machine_differs_from_the_thesis_only_where_it_says():
-    """c180_hoses has the stick's I and C right, and inertias that bodies can have: stick's hoses and swing differ.
+    """Stick's I and C are right, inertias such that bodies can have them: stick's hoses and swing differ.
 
     The port valves rest, and the inertias about the links' own axes reach boom and stick only through the
     swing's rate.

@@ -15,7 +15,7 @@ C180, NOWHERE = load_machine("c180_hoses"), Path("none")
 
 
 def test_a_shipped_cycle_is_told_in_words_and_drawn_from_its_first_place():
-    shown = drawn_cycle(load_cycle("reach-grasp", NOWHERE), C180, "c180_hoses")
+    shown = drawn_cycle(load_cycle("reach-grasp", NOWHERE), C180, "c180")
     assert shown["trouble"] == ""
     kinds = [segment["kind"] for segment in shown["segments"]]
     assert kinds == ["path", "grapple", "path", "grapple", "pose"]

@@ -37,7 +37,7 @@ def test_bad_arguments_end_with_one_sentence(tmp_path, capsys):
 
 def test_the_command_writes_numbers_and_a_picture(tmp_path, capsys, monkeypatch):
     monkeypatch.setattr(delay_study, "DELAYS", (0.0,))
-    assert cli.main(["delay", "--out", str(tmp_path / "out")]) == 0
+    assert cli.main(["delay", "--machine", "c180_hoses", "--out", str(tmp_path / "out")]) == 0
     report = json.loads((tmp_path / "out" / "delay.json").read_text())
     assert report["joystick"][0]["rms_mm"] < 5.0
     assert (tmp_path / "out" / "delay.png").stat().st_size > 10000

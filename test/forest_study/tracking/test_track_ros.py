@@ -25,7 +25,7 @@ MACHINE, MODEL = load_machine("c180_hoses"), load_machine("c180_thesis")
 SEED, SPEED = 5, 0.3
 SCHEME = Scheme.JACOBIAN_VELOCITY
 OPTIONS = (
-    *("--model", "c180_thesis", "--speed", str(SPEED), "--scheme", SCHEME.label),
+    *("--machine", MACHINE.name, "--model", "c180_thesis", "--speed", str(SPEED), "--scheme", SCHEME.label),
     *("--position-source", "joints"),
 )
 

@@ -76,7 +76,7 @@ def workspace_limits(machine: Machine) -> WorkspaceLimits:
 
     Exact: r and z are sines of q2 and q3, so their extremes lie at corners of the box of angles or
     where a derivative along an edge (or both, with the stick straight or folded flat) is zero; all
-    these angles are tried. The ground is not known here: the least reach of the c180_hoses belongs to a
+    these angles are tried. The ground is not known here: the least reach of the c180 belongs to a
     tip folded back under the boom, 4.1 m below its pivot.
     """
     links = machine.manipulator.links

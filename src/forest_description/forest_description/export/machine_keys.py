@@ -16,7 +16,7 @@ the way to a file of your own in [another machine file](../how-to/another-machin
 A machine is a YAML file. Each number has its unit and its source, and so has each row of numbers:
 
 ```yaml
-based_on: c180_hoses            # optional: a shipped machine or another file; then only what differs is given
+based_on: c180            # optional: a shipped machine or another file; then only what differs is given
 name: my_crane            # optional: the file's name without suffix
 description: A crane with smaller hoses and an underlapped swing valve
 swing:

@@ -11,8 +11,9 @@ Made by `python -m forest_description.export.machine_numbers` from the files in
 A number is from the **thesis** (with its place) or **assumed** (with the reason).
 
 - `c180_thesis` is the crane with the choices of the thesis, a known slip included.
-- `c180_hoses`, the default, is based on it: the slip corrected, and with what a teleoperated machine
-  needs.
+- `c180_hoses` is based on it: the slip corrected, and with what a teleoperated machine needs. Its oil
+  yields in the hoses only.
+- `c180`, the default, is the crane as it would be built: `c180_hoses` with what the thesis leaves out.
 - `loader` is a machine of another class, a small trailer loader crane. All of it is assumed.
   It shows what a machine file can say: load-sensing pump, valves by axis and direction, friction,
   hanging head.
@@ -79,14 +80,14 @@ def table(rows: list[Quantity], machine: Machine) -> str:
 
 def document() -> str:
     """Return the whole docs/reference/machine.md."""
-    thesis, c180_hoses, real = (load_machine(name) for name in ("c180_thesis", "c180_hoses", "c180"))
+    thesis, hoses, built = (load_machine(name) for name in ("c180_thesis", "c180_hoses", "c180"))
     printed, chosen = sources("c180_thesis"), choices(thesis)
     numbers, others = _what_differs("c180_hoses", "c180_thesis")
     further, more = _what_differs("c180", "c180_hoses")
     return (
         f"{INTRODUCTION}\n## c180_thesis\n\n{choice_table(chosen)}\n\n{table(printed, thesis)}\n\n"
-        f"## c180_hoses: what differs\n\n{choice_table(others)}\n\n{table(numbers, c180_hoses)}\n\n"
-        f"## c180: what differs from c180_hoses\n\n{choice_table(more)}\n\n{table(further, real)}\n\n"
+        f"## c180_hoses: what differs\n\n{choice_table(others)}\n\n{table(numbers, hoses)}\n\n"
+        f"## c180: what differs from c180_hoses\n\n{choice_table(more)}\n\n{table(further, built)}\n\n"
         f"{_whole('loader')}\n{_whole('forwarder')}"
     )
 
