@@ -1,4 +1,4 @@
-"""Cranes of other makes (`test/helpers/foreign_plants.py`), and what `benchmarks/foreign_coverage.py` counts."""
+"""Cranes of other makes (`test/helpers/foreign_plants.py`); what `benchmarks/foreign_coverage.py` counts."""
 
 import importlib.util
 import sys
