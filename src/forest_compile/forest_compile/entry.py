@@ -11,7 +11,7 @@ RUNTIME = "runtime"  # the argument of an entry that points to the values of its
 
 
 class RuntimeNumber(float):
-    """A number outside of functions that a kernel reads whenever it runs, instead of having it in its code."""
+    """A number outside of functions that a kernel reads whenever it runs, not one in its code."""
 
     def __new__(cls, value: float, place: int) -> "RuntimeNumber":
         """Return the number.
