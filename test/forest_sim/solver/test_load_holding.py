@@ -38,7 +38,7 @@ WIDE = dataclasses.replace(REAL.valve, minimum_resistance=1e10, port_2_area=0.05
 
 
 def crane(boom, valve=REAL.valve, head_mass=700.0):
-    """Rigid c180 with one load-holding valve at most, at the boom's head; free seals, pump of c180_hoses."""
+    """Rigid c180 with at most one load-holding valve, at the boom's head side; free seals, other pump."""
     return dataclasses.replace(
         RIGID,
         pump=C180.pump,

@@ -25,6 +25,7 @@ BARE: Changes = {
     "config.controller_settings.RELEASE_ERROR": 0.0,
     "servo.inching.ARRIVED": 1e9,
     "valve_driver.hold_zone": 0.0,
+    "valve_driver.adapt": False,
 }
 PUSHED, RELEASED, LOOKED, END = 0.5, 1.0, 6.0, 12.0  # [s]
 PUSH = 0.3  # [1] of the lever
