@@ -11,15 +11,15 @@ RUNTIME = "runtime"  # the argument of an entry that points to the values of its
 
 
 class RuntimeNumber(float):
-    """A number outside of functions that a kernel reads whenever it runs, instead of having it in its code.
-
-    Args:
-        value: what it is to Python.
-        place: where a kernel finds it, in the row of doubles that its argument `RUNTIME` points to.
-    """
+    """A number outside of functions that a kernel reads whenever it runs, not one in its code."""
 
     def __new__(cls, value: float, place: int) -> "RuntimeNumber":
-        """Return the number."""
+        """Return the number.
+
+        Args:
+            value: what it is to Python.
+            place: where a kernel finds it, in the row of doubles that its argument `RUNTIME` points to.
+        """
         number = super().__new__(cls, value)
         number.place = place
         return number

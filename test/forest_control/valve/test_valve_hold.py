@@ -52,7 +52,7 @@ def test_no_command_shuts_the_valve_at_once_and_nothing_is_left_of_the_last(sign
 @both_ways
 def test_a_command_that_cannot_be_noise_is_obeyed_at_once(sign):
     rest, _ = feed(SHUT, sign * 0.001, 1.0)
-    for noise, bound in ((NOISE, NOISE), (0.0, 1.5 * ZONE)):
+    for noise, bound in ((NOISE, NOISE), (0.0, ZONE)):
         assert step(rest, sign * bound * 1.001, noise=noise)[1] == sign * bound * 1.001
         assert step(rest, sign * bound, noise=noise)[1] == 0.0
         assert step(rest, -sign * bound * 1.001, noise=noise)[1] == -sign * bound * 1.001

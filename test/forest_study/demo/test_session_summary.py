@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from forest_study.demo.session_summary import response_times, table
+from forest_study.demo.session_summary import response_times, table, work_per_metre
 
 SESSION = {
     "scheme": "joint",
@@ -12,6 +12,7 @@ SESSION = {
     "tip_error_mm": None,
     "joy_to_valve_ms": None,
     "lever_to_valve_ms": {"first": {"p50": 16.94, "p99": 51.0}, "half_step": None, "half_way": None},
+    "pump_work": {"kj": 30.0, "kj_per_m": 12.5},
     "peak_memory_mb": {"recorder": 70.4},
 }
 
@@ -40,6 +41,13 @@ def test_no_distance_of_the_tip_is_told_alone():
     assert "tip to drawn" in told
     assert told["tip to wish"] == "- (no lever asked)"
     assert told["time lost 0.25"] == "s"
+
+
+def test_the_pump_s_work_is_told_per_metre_of_the_tip():
+    time, places = np.array([0.0, 1.0, 3.0]), np.array([[0.0, 0.0, 0.0], [3.0, 0.0, 0.0], [3.0, 4.0, 0.0]])
+    assert work_per_metre(time, np.array([0.0, 2e4, 2e4]), places) == {"kj": 50.0, "kj_per_m": 7.1}
+    assert work_per_metre(time, np.array([1e3, 1e3, 1e3]), places[:1]) == {"kj": 3.0, "kj_per_m": 0.0}
+    assert "pump work          12.5 kJ per metre" in table(SESSION)
 
 
 def test_table_says_that_joint_mode_has_no_tip_error():

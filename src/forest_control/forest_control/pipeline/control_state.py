@@ -47,13 +47,13 @@ class Inputs(NamedTuple):
     rates: Vec3  # v [rad/s], measured
     levers: Levers
     enabled: bool  # the levers may move the crane (`motion_permission`)
-    share: float = 1.0  # of their speed that the levers have, behind a late link
     cylinders: Lengths = NO_LENGTHS  # [m] boom, stick, of the same moment; NaN: no sample
     reach: Reach = FULL  # of the valves, as the driver has learnt it
     voltages: Vec3 = ZERO  # [V] of the valves, given last by the driver
     taught: TaughtCommand = NO_COMMAND  # that is followed in place of the levers
     boom_pressures: Pressures = UNREAD  # [Pa] head and rod side; NaN: no sample
     overloaded: bool = False  # a load has driven a joint back; while this stands, nothing is enabled
+    share: float = 1.0  # of their speed that the levers have, behind a late link
 
 
 class ValveFeedback(NamedTuple):

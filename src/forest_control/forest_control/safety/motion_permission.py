@@ -82,9 +82,9 @@ class Decision(NamedTuple):
     cause: Cause
     believed: bool = False  # the controller may go by the state; if stopped, from rest
     levers: Levers = REST
-    share: float = 1.0  # of their speed that the levers have, behind a late link
     dt: float = 0.0  # [s] since the state before; 0: the state counts for nothing
     overloaded: bool = False  # a load has driven a joint back; until the levers are armed anew
+    share: float = 1.0  # of their speed that the levers have, behind a late link
 
 
 class MachineState(NamedTuple):
@@ -135,11 +135,11 @@ class Permission(NamedTuple):
 
     joystick: Watch = joystick_watch.REST
     hold: InterpolatedLevers = CENTRED
-    link: LateLink = IN_TIME
     checks: Checks = Checks()
     order: StampOrder = stamp_order.FIRST
     period: StampedPeriod = stamped_period.BEGIN  # of the states that are believed
     received: float = -math.inf  # [s] when a state was believed last
+    link: LateLink = IN_TIME
 
 
 def heard(before: Permission, sample: Sample) -> Permission:

@@ -18,7 +18,6 @@ OPENING_LAG = 0.2  # [s] of the low-pass that decides about opening: noise avera
 SHUTTING_LAG = 0.02  # [s] of the low-pass that decides about shutting: four periods; chosen
 SHUT_SHARE = 0.25  # [1] of the zone at which a valve shuts: hysteresis against chatter; chosen
 MOVING_SHARE = 0.2  # [1] of the zone that opens in motion: a slow reversal must not wait
-SURELY = 1.5  # [1] zones of a command that is motion, if it is not noise; chosen
 BRIEF = 0.05  # [s] in which an actuator that is held has come to rest: ten periods
 CALM = 0.5  # [s] without a command that must be motion: longer than a reversal takes
 BARELY = 1e-9  # [V] command of an open valve whose noise has turned round: it stays where it is
@@ -57,7 +56,7 @@ def held_command(
     stops = held and hold.calm_for < CALM  # what it moved at is past
     slow = c if stops else _passed(hold.slow, c, OPENING_LAG, dt)
     quick = _passed(hold.quick, c, SHUTTING_LAG, dt)
-    if abs(c) > max(SURELY * zone, noise) or zone == 0.0:
+    if abs(c) > max(zone, noise) or zone == 0.0:
         calm_for = 0.0
     way = hold.way
     if calm_for < CALM:

@@ -141,7 +141,7 @@ def read(path: Path) -> Session:
     time -= time[0] if len(time) else 0.0
     if len(time) < 3 or not np.all(np.diff(time) > 0.0):
         raise SessionError(f"{path}: needs three samples or more with rising stamps")
-    _refuse_hole(path, base, time)
+    _refuse_hole(path, base, np.asarray(time, dtype=np.float64))
     begin = int(bag.series(base).time_ns[0])
     period = float(np.median(np.diff(time)))
     grid = period * np.arange(round(time[-1] / period) + 1)

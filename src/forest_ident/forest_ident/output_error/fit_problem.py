@@ -24,7 +24,7 @@ Jacobian = Sequence[Mapping[str, Floats]]
 
 
 LONGER = (1, 4)  # times a block: residuals may be correlated over more than one
-FEWEST = 8  # blocks that show a scatter
+FEWEST = 16  # blocks that show a scatter
 
 
 EPSILON = 1e-3  # of a told number's standard deviation, by which it is moved
@@ -194,9 +194,9 @@ class Problem:
     ) -> Floats:
         """Return the covariance of theta: of white residuals, widened where they are not.
 
-        The record's share counts times the scatter of its blocks (`inflation`) at the parameter where that is
-        most: H^-1 (F J'J + prior's information) H^-1. All parameters are widened alike: widened one by one,
-        flows and leakages that can only grow together would seem told apart by the next record.
+        The record's share counts times the scatter of its blocks (`inflation`), the mean of all parameters:
+        H^-1 (F J'J + prior's information) H^-1. All are widened alike: widened one by one, flows and leakages
+        that can only grow together would seem told apart by the next record.
 
         Args:
             theta: at the end of the fit.
@@ -214,8 +214,10 @@ class Problem:
             white[: len(firsts)] += np.add.reduceat(influence**2, firsts)
         starts = [np.arange(0, count, longer) for longer in LONGER if longer == 1 or FEWEST * longer <= count]
         factors = [inflation(np.add.reduceat(found, at), np.add.reduceat(white, at)) for at in starts]
-        factor = max((float(np.max(one[: self.count], initial=1.0)) for one in factors), default=1.0)
-        widened = spread @ (factor * information + self.known) @ spread
+        factor = (
+            max((float(np.mean(one[: self.count])) for one in factors), default=1.0) if self.count else 1.0
+        )
+        widened = spread + (factor - 1.0) * spread @ information @ spread
         moves = [spread @ (self.normal(theta, after, jacobian)[1] - gradient) for after in redrawn]
         of_inputs = np.mean([np.outer(move, move) for move in moves], axis=0) if moves else 0.0
         return np.asarray(widened + of_inputs, dtype=np.float64)

@@ -13,10 +13,11 @@ the mean and covariance of its parameters as prior. Its result moves the correla
 """
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
 import numpy as np
+from scipy.linalg import block_diag
 
 from forest_description.types import Floats
 
@@ -58,6 +59,21 @@ class GaussianEstimate(NamedTuple):
         left = tuple(self.names[place] for place in places)
         slopes = None if self.slopes is None else self.slopes[places]
         return GaussianEstimate(left, self.mean[places], self.covariance[np.ix_(places, places)], slopes)
+
+    def taken(self, later: "GaussianEstimate", names: Sequence[str]) -> "GaussianEstimate":
+        """Return this estimate with some names, and all that are new, as a later one has them.
+
+        The others stay: they are told better than by what moved them there.
+        """
+        kept = self.without(*names)
+        new = later.without(*kept.names)
+        count = 0 if later.slopes is None else later.slopes.shape[1]
+        return GaussianEstimate(
+            (*kept.names, *new.names),
+            np.concatenate([kept.mean, new.mean]),
+            block_diag(kept.covariance, new.covariance)[: len(kept.names) + len(new.names)],
+            np.vstack([kept.moves(kept.names, count), new.moves(new.names, count)]),
+        )
 
 
 EMPTY = GaussianEstimate()

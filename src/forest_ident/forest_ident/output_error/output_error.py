@@ -132,9 +132,9 @@ class _Search:
         inputs = [self._simulate(model, theta) for model in redrawn]
         covariance = problem.covariance(theta, predicted, jacobian, inputs)
         values = problem.values(theta)
-        shifted = [self._simulate(self._model, theta, number) if number else predicted for number in told]
+        others = [self._simulate(self._model, theta, number) if number else predicted for number in told]
         before = prior.moves(problem.names, len(told))
-        slopes, told_noise = problem.told_effect(theta, predicted, jacobian, shifted, before)
+        slopes, told_noise = problem.told_effect(theta, predicted, jacobian, others, before)
         sds = np.sqrt(np.maximum(np.diag(covariance), 0.0))[: problem.count].tolist()
         pairs = zip(self._unknowns, sds, strict=True)
         information = problem.normal(theta, predicted, jacobian)[0] + problem.known

@@ -215,8 +215,10 @@ def _refine(result: Result, session: Session, progress: Callable[[], None]) -> N
             positive=is_positive(key),
             withheld=not explained,
         )
-    # A record that the model does not explain must not move what others told.
-    result.known = fit.posterior if explained else known.without(*work.free)
+    # A record of the crane hangs on told numbers: it must not move what the rigs told without them. One that
+    # the model does not explain moves nothing.
+    posterior = known.taken(fit.posterior, work.free) if session.on_crane else fit.posterior
+    result.known = posterior if explained else known.without(*work.free)
     _update(result)
 
 

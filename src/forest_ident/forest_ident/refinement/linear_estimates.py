@@ -157,12 +157,12 @@ def _hose(machine: Machine, session: Session) -> list[Estimate]:
     _require(session, len(flow) >= ENOUGH, f"{len(flow)} steady flows", f"{ENOUGH} or more")
     fit = hose_estimators.resistance(flow, drop, laminar)
     other = hose_estimators.resistance(flow, drop, not laminar)
-    fits = float(np.linalg.norm(fit.residuals)) < OTHER_LAW * float(np.linalg.norm(other.residuals))
+    obeys = float(np.linalg.norm(fit.residuals)) < OTHER_LAW * float(np.linalg.norm(other.residuals))
     laws = "the flow", "its square"
     holds = (
         f"a drop that goes with {laws[laminar]}, as the {'turbulent' if laminar else 'laminar'} hose's does"
     )
-    _require(session, fits, holds, f"one that goes with {laws[not laminar]}")
+    _require(session, obeys, holds, f"one that goes with {laws[not laminar]}")
     key = f"{section}.{'laminar' if laminar else 'turbulent'}_resistance"
     found = [_estimate(key, *fit.first, fit.condition, "least squares (4.4)")]
     read, value = meter(machine, session), fit.first[0]

@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 from forest_bag.read.timeseries import Bag
 from forest_control.operator.operator_profile import OperatorProfile
+from forest_description.types import Floats
 from forest_msgs_py.interfaces import topics
 from forest_study.demo.hand_measures import hand_measures
 from forest_study.latency import lever_delay
@@ -35,6 +36,7 @@ def bag_summary(bag: Bag, scheme: str, profile: OperatorProfile) -> dict[str, An
         "topics": counts,
         "lost_messages": sum(info.lost for info in bag.topics.values()),
         "tip_error_mm": None if scheme == "joint" else _tip_error_mm(bag, profile),
+        "pump_work": pump_work(bag),
         "joy_to_valve_ms": joy_to_valve_ms(bag),
         "lever_to_valve_ms": lever_delay.lever_to_valve_ms(bag),
         "missed_deadlines": int(bag.series(topics.AUXILIARY).column("missed_deadlines")[-1]),
@@ -55,6 +57,29 @@ def _tip_error_mm(bag: Bag, profile: OperatorProfile) -> dict[str, Any]:
 
 def _rounded(off: Deviation | None) -> dict[str, float] | None:
     return None if off is None else {"rms": round(off.rms_mm, 1), "max": round(off.max_mm, 1)}
+
+
+def pump_work(bag: Bag) -> dict[str, float]:
+    """Return what the pump gave to its oil [kJ], and that per metre that the tip went [kJ/m]."""
+    supply, tip = bag.series(topics.SUPPLY), bag.series(topics.GROUND_TRUTH_TIP_POSE)
+    return work_per_metre(
+        1e-9 * (supply.time_ns - supply.time_ns[0]),
+        supply.column("pressure") * supply.column("flow"),
+        tip.values[:, :3],
+    )
+
+
+def work_per_metre(time: Floats, power: Floats, places: Floats) -> dict[str, float]:
+    """Return a pump's work [kJ], and that per metre of a tip's way [kJ/m]; 0 where it did not move.
+
+    Args:
+        time: of the powers [N] s.
+        power: pressure times flow at the pump [N] W.
+        places: of the tip [M, 3] m.
+    """
+    work = 1e-3 * float(0.5 * (power[1:] + power[:-1]) @ np.diff(time))
+    way = float(np.linalg.norm(np.diff(places, axis=0), axis=1).sum())
+    return {"kj": round(work, 1), "kj_per_m": round(work / way, 1) if way > 0.0 else 0.0}
 
 
 def joy_to_valve_ms(bag: Bag) -> dict[str, float] | None:
@@ -101,6 +126,7 @@ def table(summary: dict[str, Any]) -> str:
             "-" if delay is None else f"{delay['p50']:.1f} ms median, {delay['p99']:.1f} ms p99",
         ),
         *lever_delay.rows(summary["lever_to_valve_ms"]),
+        ("pump work", f"{summary['pump_work']['kj_per_m']:g} kJ per metre of the tip"),
         ("memory", ", ".join(f"{name} {mb:.0f} MB" for name, mb in summary["peak_memory_mb"].items())),
     ]
     return "\n".join(f"  {name:<18} {value}" for name, value in rows)

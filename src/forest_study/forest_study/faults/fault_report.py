@@ -37,13 +37,8 @@ stop, or that nobody sees. The latter are gaps: the [reasons](#reasons) say whic
 
 {table}
 
-## Signals to nodes
-
-`--live 3`: a live graph in the middle of motion; the worst of the repetitions. What the
-computer kept from the graph's threads (`host took`) is taken off before the bound is asked. No node
-outlives its graph, and none prints a traceback.
-
-{live}
+Signals to live nodes, full disks, broken bags, two talkers and lost browsers have tests of their
+own: [safety](safety.md).
 
 ## Reasons
 
@@ -104,7 +99,7 @@ def table(faults: Mapping[str, Fault], cells: Cells) -> str:
     return "\n".join(lines)
 
 
-def page(machine: str, seeds: int, faults: Mapping[str, Fault], cells: Cells, live: str) -> str:
+def page(machine: str, seeds: int, faults: Mapping[str, Fault], cells: Cells) -> str:
     """Return the page of the documentation."""
     return PAGE.format(
         machine=f"`{machine}`",
@@ -112,7 +107,6 @@ def page(machine: str, seeds: int, faults: Mapping[str, Fault], cells: Cells, li
         cells=len(cells),
         table=table(faults, cells),
         reasons=reasons(faults),
-        live=live,
     )
 
 

@@ -6,14 +6,12 @@ from typing import Any
 from forest_compile.kernel_cache import can_compile
 from forest_description.machine import Machine, load_machine
 from forest_msgs_py.runtime.command_line import whole
-from forest_study.faults import live
 from forest_study.faults.catalogue import FAULTS
 from forest_study.faults.fault import State
 from forest_study.faults.fault_report import broken, page, worst
 from forest_study.faults.trials import Outcome, cell
 from forest_study.results import StudyError, write_json
 
-NOT_LIVE = "`--live 3` was left out."
 STATES = {state.value: state for state in State}
 
 
@@ -29,13 +27,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help=f"{', '.join(STATES)}; default: all",
     )
     add("--seeds", type=whole(1, 1000), default=20, metavar="N", help="default: %(default)s")
-    add(
-        "--live",
-        type=whole(0, 100),
-        default=0,
-        metavar="N",
-        help="repetitions of each signal to each node live",
-    )
     add("--machine", default="c180", help="default: %(default)s")
 
 
@@ -43,7 +34,6 @@ def run(options: argparse.Namespace) -> int:
     """Run the command; return its exit code: 1 if a bound is broken.
 
     Raises:
-        TimeoutError: a live graph does not start.
         MachineError: the machine's file cannot be read.
         StudyError: LLVM is not installed.
     """
@@ -57,7 +47,6 @@ def run(options: argparse.Namespace) -> int:
             study.cells[name, state] = cell(FAULTS[name], state, seeds, machine)
         study.write()
         print(name, flush=True)
-    study.live = live.live_faults(options.out / "live", options.live, tuple(live.NODES), print)
     failures = study.write()
     print("\n".join(failures))
     print(f"  {len(study.cells)} cells, {len(failures)} bounds broken; {options.out / 'faults.md'}")
@@ -75,7 +64,6 @@ class Study:
     def __init__(self, options: argparse.Namespace, machine: Machine) -> None:
         self._out, self._seeds, self._machine = options.out, options.seeds, machine.name
         self.cells = dict[tuple[str, State], list[Outcome]]()
-        self.live = list[live.LiveOutcome]()
 
     def write(self) -> list[str]:
         """Write page and figures; return what breaks a bound, in sentences."""
@@ -85,13 +73,10 @@ class Study:
             for one in outcomes
             for text in broken(FAULTS[name].bounds[state], one)
         ]
-        failures += [text for one in self.live for text in live.broken(one)]
         report: dict[str, Any] = {"machine": self._machine, "seeds": self._seeds, "broken": failures}
         found = {place: worst(outcomes) for place, outcomes in self.cells.items()}
         report["cells"] = {f"{name}, {state.value}": of for (name, state), of in found.items()}
-        report["live"] = [one._asdict() for one in self.live]
         write_json(self._out / "faults.json", report)
-        signals = live.table(self.live) if self.live else NOT_LIVE
-        text = page(self._machine, self._seeds, FAULTS, found, signals)
+        text = page(self._machine, self._seeds, FAULTS, found)
         (self._out / "faults.md").write_text(text, encoding="utf-8")
         return failures
