@@ -10,7 +10,7 @@ The uncertainty is the machine file's (`uncertainty`), else the one below. All a
 
 | number | default | because |
 |---|---|---|
-| mass of the stick | 40 % | a drawing leaves out pins, hoses, oil and rotator |
+| mass of the stick | 20 % | a drawing leaves out pins, hoses, oil and rotator |
 | centre of mass | 0.1 m along, 0.05 m across the link | read off a drawing |
 | inertia of boom, stick about the centre of mass | 20 % | the same |
 | length | 5 mm | a tape over pins |
@@ -43,7 +43,7 @@ class Half(NamedTuple):
 
 
 DEFAULTS = {
-    "stick_mass": Half(0.4, relative=True),
+    "stick_mass": Half(0.2, relative=True),
     **dict.fromkeys(("boom_x", "stick_x"), Half(0.1)),
     **dict.fromkeys(("boom_y", "stick_y"), Half(0.05)),
     **dict.fromkeys(("base_offset", "boom_length", "stick_length"), Half(0.005)),

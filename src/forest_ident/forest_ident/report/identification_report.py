@@ -96,7 +96,7 @@ def off(e: Estimate, before: float | None) -> str:
 
 
 def _curve(result: Result, session: Session) -> tuple[str, list[tuple[float, float]]]:
-    """Return a valve record's name and its points: voltage [V], C_R [Pa s^2/m^6]. Thesis fig. 4.4."""
+    """Return a valve record's name and its points: voltage [V], C_R [Pa s^2/m^6]."""
     low = linear_estimates.floor(result.machine, session)
     points = valve_characteristic.points(session, linear_estimates.highest(result.machine, session))
     c_r = valve_characteristic.resistance(points, low)
