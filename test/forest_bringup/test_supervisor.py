@@ -12,7 +12,12 @@ from forest_msgs_py.interfaces import topics
 from forest_msgs_py.runtime.node import subscription
 
 # What the default machine's parts make the simulator tell.
-PARTS = {"simulator": {f"simulator with a {part}" for part in ("hanging head", "driven pump", "tank line")}}
+PARTS = {
+    "simulator": {
+        f"simulator with {part}"
+        for part in ("a hanging head", "a driven pump", "a tank line", "elastic links")
+    }
+}
 ZERO_WITHIN = 0.2  # [s] from the death of any node to the last voltage that is not zero
 
 

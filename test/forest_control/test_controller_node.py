@@ -21,6 +21,8 @@ from forest_msgs_py.interfaces import topics
 from forest_msgs_py.interfaces.messages import float_array, joint_state, read_float_array, stamp_to_ns
 
 ANGLES = (0.2, 0.4, -1.5)
+# Links do not bend; no load is weighed, for here nobody measures the pressures.
+RIGID = NO_LOAD = ("-p", "machine:=c180_hoses")
 MARGIN = 0.5  # [s] for a busy machine, beside the timeouts
 
 
@@ -118,7 +120,7 @@ def test_a_bad_parameter_ends_the_node_with_one_line(domain_id, start_node):
 
 def test_without_a_joystick_it_commands_zero_and_tells_where_the_tip_is(rig, peer):
     poses, wishes = peer.hear(topics.TIP_POSE), peer.hear(topics.TIP_TWIST_COMMAND)
-    r = rig()
+    r = rig(*RIGID)
     peer.until(lambda: r.standing(20) and poses and wishes)
     assert all(volts(message) == (0.0, 0.0, 0.0) for message in r.commands)
     tip = poses[0].pose.position
@@ -129,7 +131,7 @@ def test_without_a_joystick_it_commands_zero_and_tells_where_the_tip_is(rig, pee
 
 
 def test_where_the_tip_is_comes_from_the_cylinders_of_the_same_stamp(rig, peer):
-    poses, r, machine = peer.hear(topics.TIP_POSE), rig(), load_machine()
+    poses, r, machine = peer.hear(topics.TIP_POSE), rig(*RIGID), load_machine()
     actuators, true = peer.speak(topics.ACTUATOR_STATES), (ANGLES[0], ANGLES[1] + 0.01, ANGLES[2] - 0.02)
     lengths = [cylinder_length(true[i + 1], machine.linkages[i]) for i in (0, 1)]
 
@@ -148,7 +150,7 @@ def test_where_the_tip_is_comes_from_the_cylinders_of_the_same_stamp(rig, peer):
 
 def test_with_the_deadman_held_it_commands_and_each_command_has_its_states_stamp(rig, peer):
     wishes, stamps = peer.hear(topics.TIP_TWIST_COMMAND), set()
-    r = rig("-p", "machine:=c180_hoses")  # no load limit: here nobody measures what it weighs by
+    r = rig(*NO_LOAD)
 
     def stamped(now):
         stamps.add(now)
@@ -362,7 +364,7 @@ def test_a_joystick_that_publishes_best_effort_moves_the_crane(rig, peer):
 
 
 def test_a_driver_that_cannot_be_heard_is_named_in_log_and_diagnostics(rig, peer):
-    heard, r = peer.hear(topics.DIAGNOSTICS), rig()
+    heard, r = peer.hear(topics.DIAGNOSTICS), rig(*NO_LOAD)
     lossy = QoSProfile(depth=1, reliability=ReliabilityPolicy.BEST_EFFORT)
     peer.node.create_publisher(topics.message_class(topics.VALVE_VOLTAGES), topics.VALVE_VOLTAGES.name, lossy)
     told = "/valve_voltages of /peer is not heard: best effort publisher and reliable subscription"

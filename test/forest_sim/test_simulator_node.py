@@ -190,7 +190,7 @@ def test_voltages_move_every_joint_in_the_direction_of_their_sign(rig, peer):
 def test_without_voltages_nothing_moves_until_a_log_is_grasped_and_it_springs_back_when_that_is_dropped(
     rig, peer
 ):
-    r, loads = rig("-p", "log_mass:=800.0"), peer.hear(topics.GROUND_TRUTH_LOAD)
+    r, loads = rig("-p", "log_mass:=800.0", "-p", "machine:=c180_hoses"), peer.hear(topics.GROUND_TRUTH_LOAD)
     peer.until(lambda: len(r.truth) > 100)
     assert list(r.truth[-1].position) == pytest.approx(list(r.truth[0].position), abs=1e-9)
     assert r.centred()

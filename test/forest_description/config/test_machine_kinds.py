@@ -156,7 +156,7 @@ def test_rows_arrive_as_they_stand_and_in_si(write):
     curve = load_machine(path).valve.curve
     assert curve == TableCurve((2.0, 5.0, 10.0), (9e13, 8e12, 1e12))
     rows = {row.key: row for row in sources(path)}
-    assert rows["valve.curve.voltages"][1:] == ((2.0, 5.0, 10.0), "V", "measured")
+    assert rows["valve.curve.voltages"][1:] == ((2.0, 5.0, 10.0), "V", "measured", None)
 
 
 def test_a_curve_is_replaced_by_one_of_another_sort_and_taken_away_by_null(write):

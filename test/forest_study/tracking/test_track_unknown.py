@@ -28,7 +28,7 @@ def identified(tmp_path_factory):
 
 def rms(model):
     course = path_named("vertical"), 0.5, scheme_named("coordinated")
-    return track(*course, load_machine(UNKNOWN), model).total.governed_rms_mm
+    return track(*course, load_machine(UNKNOWN), model, adapt=False).total.governed_rms_mm
 
 
 def test_valve_and_hose_of_a_machine_that_nobody_knows_are_found(identified):
