@@ -41,10 +41,11 @@ def verdict(result: Result, held_out: Sequence[tuple[str, Sequence[Signal]]] = (
 
     Args:
         result: of the identification.
-        held_out: record and signals that were predicted with it.
+        held_out: record and signals that were predicted with it; none of one that cannot be predicted.
     """
     doubts = _doubts(result)
     reasons = [f"{name}: {text}" for name, signals in held_out for text in over_limit(signals)]
+    reasons += [f"{name}: held out, but it cannot be predicted" for name, signals in held_out if not signals]
     if result.estimates and not result.refined:
         reasons.append("linear estimates alone: no residual was tested")
     withheld = sum(e.withheld for e in result.estimates.values())
