@@ -83,6 +83,7 @@ def test_a_held_out_record_that_is_missed_is_no_trust():
 def test_a_held_out_record_that_cannot_be_predicted_is_no_trust():
     said = verdict(result_with(), [("validation", [])])
     assert (said.code, said.lines[1]) == (NOT_TRUSTED, "validation: held out, but it cannot be predicted")
+    assert verdict(result_with(), [("motion", [])]).code == TRUSTED
     assert over_limit([signal(np.nan)]) == ["boom angle is nan % off, limit 2 %"]
 
 
