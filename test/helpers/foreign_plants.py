@@ -14,7 +14,7 @@
 
 Structure and first numbers come from the shipped machines; every number of them, and each that identification
 looks for, is drawn. The crane is simulated by the laws that the fit could use, if it were told of them: this
-judges what a *missing* structure does to a fit, not the laws. `other_actuator` has other laws.
+judges what a *missing* structure does to a fit, not the laws.
 """
 
 import dataclasses

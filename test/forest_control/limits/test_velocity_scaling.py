@@ -281,8 +281,9 @@ def test_limits_and_joystick_are_numbered_as_the_docs_tell_who_reads_the_topic()
         "released or stopping",
         "load",
         "overload",
+        "late link",
     )
-    names = "NONE", "RATE", "JOINT", "SINGULARITY", "FLOW", "WALL", "RELEASED", "LOAD", "OVERLOAD"
+    names = "NONE", "RATE", "JOINT", "SINGULARITY", "FLOW", "WALL", "RELEASED", "LOAD", "OVERLOAD", "LATE"
     codes = {str(Limit[name].value): word for name, word in zip(names, words, strict=True)}
     assert {code: word for code, word, _ in told} == codes
     states = {str(state.value): state.name.lower() for state in Joystick}

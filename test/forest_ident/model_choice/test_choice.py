@@ -1,23 +1,63 @@
-"""Claims about the choice of physics: what was fitted without a candidate is never lost by it."""
+"""Allowed physics are tried one after the other, and kept if held-out records confirm them."""
 
 import numpy as np
+import pytest
 
 from forest_description.machine import load_machine
+from forest_ident.driving.simulated_experiment import experiment
 from forest_ident.measurements.session import Session, SessionError
+from forest_ident.model_choice import candidates
 from forest_ident.model_choice.choice import chosen
 from forest_ident.refinement.result import Result
+from forest_ident.report import machine_writer
 
 PLAIN = load_machine("c180_hoses")
-HELD_OUT = Session("validation", np.arange(3.0), np.zeros((3, 3)), {})
+SEALED = next(c for c in candidates.CANDIDATES if c.name == "friction").add(PLAIN)
+
+
+@pytest.fixture(scope="module")
+def held_out():
+    """A record of a crane with dry friction."""
+    return [experiment("validation", SEALED, 3, longest=30.0)]
+
+
+def told(machine, held_out=()):
+    """Returns a fit that believes its start."""
+    return Result(machine, machine, held_out=list(held_out))
+
+
+def test_the_confirmed_physics_are_kept_and_the_others_are_not(held_out, tmp_path):
+    found = chosen(PLAIN, lambda start: told(start, held_out), ["hysteresis", "friction"])
+    assert found.machine == SEALED
+    kept, refused = found.remarks
+    assert kept.startswith("--allow friction: dry friction, kept: ")
+    assert refused.startswith("--allow hysteresis: ")
+    assert ", not kept: " in refused
+    written = machine_writer.write(found, "c180_hoses", tmp_path / "mine.yaml", {})
+    assert written.boom.friction == SEALED.boom.friction
+    assert written.swing.friction == SEALED.swing.friction
+    assert written.valve == PLAIN.valve
+
+
+def test_what_the_start_has_is_not_added_again(held_out):
+    found = chosen(SEALED, lambda start: told(start, held_out), ["friction"])
+    assert found.remarks == ["--allow friction: the start has dry friction already"]
+
+
+def test_nothing_is_allowed_without_a_record_that_decides():
+    with pytest.raises(SessionError, match="no record is held out"):
+        chosen(PLAIN, told, ["friction"])
 
 
 def test_a_model_that_cannot_be_fitted_or_compared_is_not_kept_and_says_why():
+    short = Session("validation", np.arange(3.0), np.zeros((3, 3)), {})
+
     def identify(machine):
         if machine.boom.friction is not None:
             raise SessionError("damping_boom: it cannot be evaluated")
-        return Result(PLAIN, machine, held_out=[HELD_OUT])
+        return told(machine, [short])
 
-    best = chosen(PLAIN, identify, ("friction", "pendulum"))
+    best = chosen(PLAIN, identify, ["friction", "pendulum"])
     assert best.machine == PLAIN
     friction, pendulum = best.remarks
     assert friction == "--allow friction: dry friction, not kept: damping_boom: it cannot be evaluated"

@@ -3,7 +3,8 @@ import pytest
 
 from forest_compile import flat_layout
 from forest_description.machine import load_machine
-from forest_ident.output_error.prediction import plants_at
+from forest_ident.output_error.prediction import plants_at, resting_at
+from forest_sim.equations.plant_parameters import plant_parameters
 from forest_sim.solver.oil_temperature import parameters_at
 
 
@@ -24,3 +25,10 @@ def test_offsets_of_a_hundredth_of_a_kelvin_are_felt():
     machine = load_machine("c180_hoses")
     plants = plants_at(machine, np.arange(310.0, 310.1, 0.01).tolist())
     assert np.all(np.diff([p.swing.actuator.external_leakage for p in plants]) > 0.0)
+
+
+def test_a_prediction_starts_with_its_joints_where_the_resolvers_read_them_though_links_bend():
+    p, joints = plant_parameters(load_machine("c180")), (0.2, 0.4, -1.4)
+    begin = resting_at(joints, p).plant
+    assert [root.angle for root in begin.roots] == pytest.approx(joints, abs=1e-7)
+    assert begin.boom.angle < joints[1] - 1e-3  # the boom hangs below its joint

@@ -11,9 +11,10 @@ Made by `python -m forest_description.export.machine_numbers` from the files in
 A number is from the **thesis** (with its place) or **assumed** (with the reason).
 
 - `c180_thesis` is the crane with the choices of the thesis, a known slip included.
-- `c180_hoses` is based on it: the slip corrected, and with what a teleoperated machine needs. Its oil
-  yields in the hoses only.
-- `c180`, the default, is the crane as it would be built: `c180_hoses` with what the thesis leaves out.
+- `c180_hoses` is based on it: the slip corrected, and with what a teleoperated machine needs. Its
+  oil yields in the hoses only.
+- `c180`, the default, is the crane as it would be built: `c180_hoses` with what the thesis leaves
+  out.
 - `loader` is a machine of another class, a small trailer loader crane. All of it is assumed.
   It shows what a machine file can say: load-sensing pump, valves by axis and direction, friction,
   hanging head.

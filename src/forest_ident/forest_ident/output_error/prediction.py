@@ -169,7 +169,7 @@ def _start(session: Session, p: PlantParameters, offsets: Offsets, start: Mappin
     angles = [float(np.mean(column[rows])) for column, rows in zip(columns, rests, strict=True)]
     rows = rests[0]
     true = tuple(angle + offset for angle, offset in zip(angles, offsets[:3], strict=True))
-    at_rest = _at_rest((true[0], true[1], true[2]), p)
+    at_rest = resting_at((true[0], true[1], true[2]), p)
     plant = at_rest.plant
     for axis in AXES:
         ports = [f"{axis}_pressure_{port}_actuator" for port in (1, 2)]
@@ -180,8 +180,13 @@ def _start(session: Session, p: PlantParameters, offsets: Offsets, start: Mappin
     return at_rest._replace(plant=plant)
 
 
-def _at_rest(joints: Vec3, p: PlantParameters) -> Simulation:
-    """Return the plant at rest with its joints, which resolvers measure, at angles [rad]: 0.1 urad."""
+def resting_at(joints: Vec3, p: PlantParameters) -> Simulation:
+    """Return the plant at rest with its joints at angles [rad], as resolvers read them; within 0.1 urad.
+
+    Args:
+        joints: angles [rad]; links that bend hang below them.
+        p: the plant.
+    """
     links = joints
     for _ in range(2 if p.elastic.present else 0):  # bending hardly changes over its own way: 1 % each time
         held = at_joints(equilibrium(links, p).plant, p)
