@@ -204,10 +204,22 @@ def test_a_boom_that_a_load_presses_back_is_not_the_file_s(side, fed):
         assert is_wrong(after(FileCheck(), 0.4, **back)) == wrong
 
 
+def test_what_a_load_has_pressed_a_boom_back_by_is_not_held_against_the_file_later():
+    supply = P.speed_limits.supply_pressure
+    pressed = after(FileCheck(), 1.0, (0.0, -0.05, 0.0), (0.0, 3.0, 0.0), pressures=(0.95 * supply, 0.0))
+    assert not is_wrong(pressed)
+    assert not is_wrong(after(pressed, 1.0, pressures=(0.5 * supply, 0.0)))  # it stands
+    lowered = after(pressed, 1.0, (0.0, -0.05, 0.0), (0.0, -3.0, 0.0), pressures=(0.5 * supply, 0.0))
+    assert not is_wrong(lowered)
+    assert lowered.ways[1] == PROVEN
+
+
 @pytest.mark.parametrize("mass", [2500.0, 4000.0])
 def test_an_overload_before_the_boom_has_moved_is_named_as_one(mass):
     plant = loaded(plant_parameters(C180), C180.manipulator, Load(mass))
-    (when, why), ways = driven(loop_of(C180, C180, plant), levers_for_tip_velocity((0.0, 0.0, 0.3), 0.5))
+    loop = loop_of(C180, C180, plant)
+    (when, why), ways = driven(loop, levers_for_tip_velocity((0.0, 0.0, 0.3), 0.5))
     assert when < 2.0
     assert why.startswith("overload: boom went back by")
+    assert not is_wrong(loop.controller.guard.permission.checks.file)
     assert ways[1] < 0.0

@@ -1,10 +1,11 @@
 """Allowed physics are tried one after the other, and kept if held-out records confirm them."""
 
+import numpy as np
 import pytest
 
 from forest_description.machine import load_machine
 from forest_ident.driving.simulated_experiment import experiment
-from forest_ident.measurements.session import SessionError
+from forest_ident.measurements.session import Session, SessionError
 from forest_ident.model_choice import candidates
 from forest_ident.model_choice.choice import chosen
 from forest_ident.refinement.result import Result
@@ -46,3 +47,18 @@ def test_what_the_start_has_is_not_added_again(held_out):
 def test_nothing_is_allowed_without_a_record_that_decides():
     with pytest.raises(SessionError, match="no record is held out"):
         chosen(PLAIN, told, ["friction"])
+
+
+def test_a_model_that_cannot_be_fitted_or_compared_is_not_kept_and_says_why():
+    short = Session("validation", np.arange(3.0), np.zeros((3, 3)), {})
+
+    def identify(machine):
+        if machine.boom.friction is not None:
+            raise SessionError("damping_boom: it cannot be evaluated")
+        return told(machine, [short])
+
+    best = chosen(PLAIN, identify, ["friction", "pendulum"])
+    assert best.machine == PLAIN
+    friction, pendulum = best.remarks
+    assert friction == "--allow friction: dry friction, not kept: damping_boom: it cannot be evaluated"
+    assert pendulum.startswith("--allow pendulum: a head that hangs, not kept: validation: too short")

@@ -80,6 +80,13 @@ def test_a_held_out_record_that_is_missed_is_no_trust():
     assert said.lines[1] == "validation: boom angle is 3.0 % off, limit 2 %"
 
 
+def test_a_held_out_record_that_cannot_be_predicted_is_no_trust():
+    said = verdict(result_with(), [("validation", [])])
+    assert (said.code, said.lines[1]) == (NOT_TRUSTED, "validation: held out, but it cannot be predicted")
+    assert verdict(result_with(), [("motion", [])]).code == TRUSTED
+    assert over_limit([signal(np.nan)]) == ["boom angle is nan % off, limit 2 %"]
+
+
 def test_one_record_that_contradicts_all_others_is_a_stranger_and_two_are_a_model_that_lacks_something():
     good, bad = [left(1.0, 0.0)], [left(40.0, 0.9)]
     records = {"valve": good, "hose": good, "damping_swing": good, "damping_boom": bad}

@@ -61,10 +61,15 @@ def step(state: State, inputs: Inputs, p: Parameters, dt: float) -> tuple[State,
 def step_with_telemetry(state: State, inputs: Inputs, p: Parameters, dt: float) -> tuple[State, Telemetry]:
     """Do as `step`, and tell where the tip is and how it moves, by the angles that count."""
     state, output = step(state, inputs, p, dt)
-    joints = corrected_angles(inputs.angles, state.correction)
-    angles = link_angles(joints, state.weighing.mass, p.speed_limits, p.coordinated.arm)
+    angles = counted_angles(inputs.angles, state, p)
     velocity = tip_velocity(angles, inputs.rates, p.links)
     return state, Telemetry(output, tip_position(angles, p.links), tip_orientation(angles), velocity)
+
+
+def counted_angles(measured: Vec3, state: State, p: Parameters) -> Vec3:
+    """Return the angles [rad] that count for measured ones: corrected, and of links that bend."""
+    joints = corrected_angles(measured, state.correction)
+    return link_angles(joints, state.weighing.mass, p.speed_limits, p.coordinated.arm)
 
 
 def _estimate(state: State, inputs: Inputs, p: Parameters, dt: float) -> tuple[State, Inputs]:

@@ -10,7 +10,7 @@ from forest_control.config.controller_settings import Parameters
 from forest_control.config.parameter_update import ParameterUpdate
 from forest_control.operator.taught_command import TaughtCommand
 from forest_control.pipeline.control_state import REST, Inputs, State, Telemetry, ValveFeedback, stopped
-from forest_control.pipeline.controller import step_with_telemetry
+from forest_control.pipeline.controller import counted_angles, step_with_telemetry
 from forest_control.safety import taught_watch
 from forest_control.safety.motion_guard import MotionGuard
 from forest_control.safety.motion_permission import (
@@ -142,7 +142,8 @@ class GuardedController:
 
     def _follow(self, decision: Decision, angles: Vec3, now: float) -> TaughtCommand:
         """Return the taught command that counts for measured angles [rad] at a time [s]."""
-        guard, tip = self.guard, tip_position(angles, self.parameters.links)
+        p = self.parameters
+        guard, tip = self.guard, tip_position(counted_angles(angles, self._state, p), p.links)
         moves, joystick = decision.verdict == Verdict.MOVE, guard.permission.joystick
         self._taught, command = taught_watch.assessed(
             self._taught, moves, joystick, tip, now, guard.p.joystick

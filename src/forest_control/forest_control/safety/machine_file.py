@@ -12,7 +12,8 @@ other way, no motion is what its command says. Then the file is to be set right,
 anew.
 
 A boom that goes back before it has proven right may also carry too much: then its pressure is the pump's or
-more, while oil that is led to the other side leaves it to its weight (`sinking_joint` names it).
+more, while oil that is led to the other side leaves it to its weight. Such a way does not count
+(`sinking_joint` names it).
 
 | symbol | name | unit |
 |---|---|---|
@@ -86,9 +87,10 @@ def watched(
         command[2] * p.rated_speeds[2] / p.rated_voltages[2],
     )
     u = actuator_speeds_to_joint_rates(angles, speeds, p.linkages)
+    loaded = (pressures[0] if voltages[1] > 0.0 else pressures[1]) > BORNE * p.speed_limits.supply_pressure
     ways = (
         _way(before.ways[0], u[0] if _opens(voltages[0], 0, p) else 0.0, rates[0], dt),
-        _way(before.ways[1], u[1] if _opens(voltages[1], 1, p) else 0.0, rates[1], dt),
+        _way(before.ways[1], u[1] if _opens(voltages[1], 1, p) and not loaded else 0.0, rates[1], dt),
         _way(before.ways[2], u[2] if _opens(voltages[2], 2, p) else 0.0, rates[2], dt),
     )
     boom, stick = _misfit(lengths[0], angles[1], 0, p), _misfit(lengths[1], angles[2], 1, p)
@@ -98,11 +100,9 @@ def watched(
     wrong = FITS
     if strange > STRANGE:
         wrong = BOOM if MISFIT < boom <= most else STICK
-    fed = pressures[0] if command[1] > 0.0 else pressures[1]
     for i in range(3):
-        sinks = command[i] != 0.0 and sinking_joint.sinks(sinking, i)
-        loaded = i == 1 and fed > BORNE * p.speed_limits.supply_pressure
-        if (ways[i] < -PROVEN or (ways[i] < PROVEN and sinks)) and not loaded:
+        sinks = command[i] != 0.0 and sinking_joint.sinks(sinking, i) and not (i == 1 and loaded)
+        if ways[i] < -PROVEN or (ways[i] < PROVEN and sinks):
             wrong = POLARITY + i
     return FileCheck(ways, strange, fitted, wrong)
 

@@ -268,6 +268,9 @@ def checked(
     if not guard.noise_free:
         still = frozen_sensor.watched(before.still, state.angles, command, p, dt)
     sinking = sinking_joint.watched(before.sinking, state.rates, driver.voltages, p, dt)
+    gone = before.runaway
+    if driver.received > -math.inf:  # of a driver that has never spoken no valve is known to be shut
+        gone = runaway.watched(before.runaway, state.rates, driver.voltages, p, dt)
     return Checks(
         still=still,
         driver=driver_response.response(before.driver, driver, command, now),
@@ -286,7 +289,7 @@ def checked(
         ),
         sunk=before.sunk,
         let_go=before.let_go,
-        runaway=runaway.watched(before.runaway, state.rates, driver.voltages, p, dt),
+        runaway=gone,
     )
 
 

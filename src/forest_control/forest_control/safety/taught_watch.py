@@ -89,7 +89,7 @@ def assessed(
         watch: after all commands that have come.
         allowed: the levers may move the crane.
         joystick: whose deadman is held.
-        tip: measured place [m].
+        tip: its place by the angles that count [m].
         now: local time [s].
         p: of the joystick watch.
     """

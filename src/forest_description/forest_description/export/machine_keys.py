@@ -43,8 +43,8 @@ manipulator:
 - A polynomial C_R must fall from `deadband_voltage` to `rated_voltage`. The first is negative if
   the valve is underlapped.
 
-**Drawn machines.** `unknown:SEED` in place of a machine's name is drawn within 40 % of c180_hoses, in
-all that [identification](../explanation/identification.md) finds. `unknown` is seed 0, and
+**Drawn machines.** `unknown:SEED` in place of a machine's name is drawn within 40 % of c180_hoses,
+in all that [identification](../explanation/identification.md) finds. `unknown` is seed 0, and
 `unknown:SEED:loader` is drawn from another machine. Equal seeds are one machine in every command.
 
 Numbers that contradict each other are refused, too:

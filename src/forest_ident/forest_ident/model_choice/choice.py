@@ -45,8 +45,12 @@ def chosen(start: Machine, identify: Identify, allowed: Sequence[str]) -> Result
         if richer_start == best.start:
             decisions.append(f"--allow {candidate.name}: the start has {candidate.physics} already")
             continue
-        richer = identify(richer_start)
-        gain = compare(best.machine, richer.machine, best.held_out)
+        try:
+            richer = identify(richer_start)
+            gain = compare(best.machine, richer.machine, best.held_out)
+        except ValueError as error:  # what was fitted without it is not lost by it
+            decisions.append(f"--allow {candidate.name}: {candidate.physics}, not kept: {error}")
+            continue
         decisions.append(
             f"--allow {candidate.name}: {candidate.physics}, {'kept' if gain.better else 'not kept'}: "
             f"{gain.told()}"

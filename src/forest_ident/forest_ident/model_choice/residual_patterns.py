@@ -16,6 +16,7 @@ What the valve's rig shows is named from its records alone: on the crane, many t
 So a step at zero speed and an oscillation after a stop are told apart by all rows at once, not by one plot.
 """
 
+import contextlib
 from collections.abc import Callable, Sequence
 from itertools import pairwise
 from typing import NamedTuple
@@ -27,9 +28,10 @@ from forest_description.machine import Machine
 from forest_description.types import Floats
 from forest_ident.estimators import calibration
 from forest_ident.measurements.parameter_path import part_of, value_of, with_values
+from forest_ident.measurements.session import SessionError
 from forest_ident.model_choice.candidates import CANDIDATES, Candidate
 from forest_ident.output_error.prediction import predict
-from forest_ident.refinement import refinement
+from forest_ident.refinement import data_quality, refinement
 from forest_ident.refinement.refinement_task import task
 from forest_ident.refinement.result import Refined, Result
 
@@ -62,10 +64,15 @@ def times_noise(refined: Refined) -> float:
 
 
 def findings(result: Result) -> list[Finding]:
-    """Return the best candidate of each record that one explains, the clearest first."""
+    """Return the best candidate of each record that one explains, the clearest first.
+
+    A record of which nothing can be said is left out: a finished fit is not lost by it.
+    """
     found = []
     for refined in result.refined:
-        if times_noise(refined) > LEFT:
+        if times_noise(refined) <= LEFT:
+            continue
+        with contextlib.suppress(SessionError), data_quality.evaluated(refined.session):
             ranked = ranking(result.machine, refined)
             usual = [one for one in ranked if SIZES[0] <= one.size <= SIZES[1]]
             found += [one for one in usual[:1] if one.share >= SAID]

@@ -16,8 +16,8 @@ below. They count with the logarithm of that probability (`fit_problem`). Gauss-
 damping is kept on purpose: scipy's least_squares knows neither censored rows nor noise that is estimated
 along, and takes a simulation per parameter for each step. Here derivatives are kept while steps shrink.
 
-The covariance is that of white residuals. Every variance is widened to that of the sandwich over blocks of
-`BLOCK` rows where the scatter of the blocks shows that residuals are not white (`inflation`).
+The covariance is that of white residuals. Where the scatter over blocks of `BLOCK` rows shows that they are
+not white, the record's share is widened, for all parameters alike (`Problem.covariance`).
 The noise of the model's own measured inputs shows in no residual: it is drawn again, and its effect added.
 
 Thesis section 4.1.2. Differs: the thesis estimates each parameter by a linear least-squares fit of its own;

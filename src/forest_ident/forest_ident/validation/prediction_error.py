@@ -18,7 +18,7 @@ from forest_ident.estimators import calibration
 from forest_ident.measurements.differentiator import derivative
 from forest_ident.measurements.session import Session, SessionError
 from forest_ident.output_error.prediction import predict
-from forest_ident.refinement import refinement
+from forest_ident.refinement import data_quality, refinement
 
 SPEED_BANDWIDTH = 8.0  # [Hz] of the smoothing of both speeds
 LIMITS = {"angle": 0.02, "velocity": 0.05, "flow": 0.05, "pressure": 0.1}
@@ -81,7 +81,8 @@ def signals(model: Machine, session: Session) -> list[Signal]:
 def predicted(model: Machine, session: Session) -> list[Signal]:
     """Return the signals as `signals` does; none of a record that cannot be predicted."""
     try:
-        return signals(model, session)
+        with data_quality.evaluated(session):
+            return signals(model, session)
     except SessionError:
         return []
 
@@ -118,12 +119,17 @@ def limit(signal: Signal) -> float:
     return LIMITS[signal.name.partition(" ")[0]]
 
 
+def is_missed(signal: Signal) -> bool:
+    """Tell whether a signal is not predicted; so is one whose error is no number."""
+    return not signal.nrmse <= limit(signal)
+
+
 def over_limit(found: Sequence[Signal]) -> list[str]:
     """Return a text on every signal that is not predicted."""
     return [
         f"{s.axis} {s.name} is {100.0 * s.nrmse:.1f} % off, limit {100.0 * limit(s):.0f} %"
         for s in found
-        if s.nrmse > limit(s)
+        if is_missed(s)
     ]
 
 
@@ -132,7 +138,7 @@ def text_table(found: Sequence[Signal]) -> str:
     lines = ["| signal | NRMSE, % | limit, % | VAF, % |", "|---|---|---|---|"]
     scores = (
         f"| {s.axis} {s.name} | {100.0 * s.nrmse:.2f} | "
-        f"{100.0 * limit(s):.0f}{' missed' * (s.nrmse > limit(s))} | {100.0 * s.vaf:.2f} |"
+        f"{100.0 * limit(s):.0f}{' missed' * is_missed(s)} | {100.0 * s.vaf:.2f} |"
         for s in found
     )
     return "\n".join([*lines, *scores])

@@ -15,6 +15,8 @@ from forest_ident.validation.prediction_error import Signal, over_limit
 
 TRUSTED, BUT_FOR, NOT_TRUSTED = 0, 3, 4
 """Exit codes."""
+VALIDATION = "validation"
+"""The experiment that is there to judge by; other motions that are held out may hold nothing."""
 MOST = 0.5  # of the estimates
 CORRELATED = 0.2  # at the sensor's lag 1
 LEFT = 1.5  # times a sensor's noise: correlated residuals of more are the model's
@@ -41,10 +43,12 @@ def verdict(result: Result, held_out: Sequence[tuple[str, Sequence[Signal]]] = (
 
     Args:
         result: of the identification.
-        held_out: record and signals that were predicted with it.
+        held_out: record and the signals that were predicted with it, none if it cannot be.
     """
     doubts = _doubts(result)
     reasons = [f"{name}: {text}" for name, signals in held_out for text in over_limit(signals)]
+    blind = [name for name, signals in held_out if name == VALIDATION and not signals]
+    reasons += [f"{name}: held out, but it cannot be predicted" for name in blind]
     if result.estimates and not result.refined:
         reasons.append("linear estimates alone: no residual was tested")
     withheld = sum(e.withheld for e in result.estimates.values())
