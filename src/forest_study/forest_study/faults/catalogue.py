@@ -251,14 +251,15 @@ SENSORS = {
     ),
     "cylinder transducer frozen": Fault(
         "one repeats its last reading",
-        "Believed within 0.1 rad of its resolver, then left out: the last correction stays. " + UNSEEN,
-        same(Bound(off=0.6), HELD, STANDING=Bound(off=0.02, again=False)),
+        "Over 0.03 rad from its resolver for 0.3 s, it stops the crane while it is; at once over 0.1 rad, it"
+        " is left out.",
+        same(Bound(off=0.9), HELD, STANDING=Bound(off=0.02, again=False)),
         sensors="{cylinder}_transducer: frozen",
     ),
     "cylinder transducers swapped": Fault(
         "boom's and stick's plugs",
-        "Neither belongs to its angle: both are left out.",
-        same(Bound(off=0.1), HELD, STANDING=Bound(off=0.02, again=False)),
+        "Over 0.1 rad from its angle a length is left out; between 0.03 and 0.1 rad the crane stops.",
+        same(Bound(off=0.9), HELD, STANDING=Bound(off=0.02, again=False)),
         seen=wires.crossed_transducers,
     ),
     "pressures absent": Fault(
