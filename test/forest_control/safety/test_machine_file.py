@@ -163,6 +163,9 @@ def test_lengths_that_are_off_by_less_than_a_broken_transducer_s_are_found_in_an
     assert not is_wrong(after(fitted, STRANGE - 2.0 * PERIOD, lengths=off(0.032)))
     assert after(FileCheck(), long, lengths=off(-0.032)).wrong == machine_file.BOOM
     assert not is_wrong(after(fitted, 10.0, lengths=off(0.102)))  # it is broken
+    hung = after(fitted, long, lengths=off(0.032))
+    assert not is_wrong(after(hung, PERIOD, lengths=FITTING))
+    assert is_wrong(after(after(FileCheck(), long, lengths=off(0.032)), 10.0, lengths=FITTING))
     assert is_wrong(after(FileCheck(), long, lengths=(9.0, FITTING[1])))  # of no angle
 
 

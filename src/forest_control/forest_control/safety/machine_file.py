@@ -7,9 +7,9 @@ Two things are asked of it:
 
 What has answered right is not asked again: later a broken sensor or a load is to blame. But lengths that are
 off by less than a broken transducer's are asked for ever, for a pin that is elsewhere shows in other poses.
-What answers wrong stops the crane for good: with another geometry, or a valve that is piped or wired the
-other way, no motion is what its command says. Then the file is to be set right, and the controller started
-anew.
+Lengths that once fitted stop the crane while they do not: a transducer that hung may be to blame. What else
+answers wrong stops the crane for good: with another geometry, or a valve that is piped or wired the other
+way, no motion is what its command says. Then the file is to be set right, and the controller started anew.
 
 A boom that goes back before it has proven right may also carry too much: then its pressure is the pump's or
 more, while oil that is led to the other side leaves it to its weight. Such a way does not count
@@ -50,7 +50,7 @@ class FileCheck(NamedTuple):
     ways: Vec3 = ZERO  # [rad]; of a joint that has proven right: `PROVEN`
     strange: float = 0.0  # [s] for which lengths have not fitted
     fitted: bool = False  # they once did
-    wrong: int = FITS  # for good
+    wrong: int = FITS  # for good; `BOOM` and `STICK`, once lengths have fitted, while they do not
 
 
 def watched(
@@ -79,7 +79,7 @@ def watched(
         p: the controller's parameters.
         dt: since the last sample [s].
     """
-    if before.wrong != FITS:
+    if before.wrong >= POLARITY or (before.wrong != FITS and not before.fitted):
         return before
     speeds = (
         command[0] * p.rated_speeds[0] / p.rated_voltages[0],

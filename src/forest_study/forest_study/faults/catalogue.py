@@ -251,14 +251,15 @@ SENSORS = {
     ),
     "cylinder transducer frozen": Fault(
         "one repeats its last reading",
-        "Believed within 0.1 rad of its resolver, then left out: the last correction stays. " + UNSEEN,
-        same(Bound(off=0.6), HELD, STANDING=Bound(off=0.02, again=False)),
+        "Over 0.03 rad from its resolver for 0.3 s, it stops the crane while it is; at once over 0.1 rad, it"
+        " is left out.",
+        same(Bound(off=0.9), HELD, STANDING=Bound(off=0.02, again=False)),
         sensors="{cylinder}_transducer: frozen",
     ),
     "cylinder transducers swapped": Fault(
         "boom's and stick's plugs",
-        "Neither belongs to its angle: both are left out.",
-        same(Bound(off=0.1), HELD, STANDING=Bound(off=0.02, again=False)),
+        "Over 0.1 rad from its angle a length is left out; between 0.03 and 0.1 rad the crane stops.",
+        same(Bound(off=0.9), HELD, STANDING=Bound(off=0.02, again=False)),
         seen=wires.crossed_transducers,
     ),
     "pressures absent": Fault(
@@ -325,9 +326,10 @@ VALVES = {
 MACHINE = {
     "cylinders' pipes torn": Fault(
         "180 L/min at 10 MPa out of each port, before the load-holding valves",
-        "The crane falls, and no valve holds it. The valves shut, and the operator is told.",
+        "The crane falls, and no valve holds it. The valves shut, and the operator is told. In position mode"
+        " the pump may feed the leak through a wide open valve, and hold it: gap.",
         same(Bound(zero=1.0, told=OF_MACHINE, told_within=1.0, again=False), HELD)
-        | {State.EXPERIMENT: Bound(again=False)},
+        | {State.POSITION: Bound(again=False), State.EXPERIMENT: Bound(again=False)},
         breaks=wires.torn_hoses,
         for_good=True,
     ),
