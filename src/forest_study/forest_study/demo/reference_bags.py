@@ -30,7 +30,9 @@ PEAK, RISE = 2.5, 0.6  # [V], [s]
 FAULT, FAULT_TIME = "lost from 2 s until 2.6 s", 3.5  # [s]
 LOG = "/rosout"  # names the files that log
 NOT_OF_VALVES = ["ground_truth/.+"]  # the sensors have no errors in these runs
-NAMES = ("coordinated", "valves", "fault")
+NOT_OF_COORDINATED = ["ground_truth/(head|deflections|pump|tank_line)"]  # its replay has no simulator
+LEFT_OUT = {"coordinated": NOT_OF_COORDINATED, "valves": NOT_OF_VALVES, "fault": []}
+NAMES = tuple(LEFT_OUT)
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -55,8 +57,7 @@ def _make(options: argparse.Namespace) -> int:
         new.parent.mkdir()
         try:
             nodes, seconds = _session(name, options.out)
-            left_out = [LOG, *NOT_OF_VALVES] if name == "valves" else [LOG]
-            exclude = graph.parameter("exclude", left_out)
+            exclude = graph.parameter("exclude", [LOG, *LEFT_OUT[name]])
             output = graph.parameter("output", str(new))
             nodes.append(NodeSpec("recorder", "forest_bag.recorder_node", (*output, *exclude)))
             with tempfile.TemporaryDirectory() as logs:
