@@ -1,12 +1,12 @@
 """Claims about late messages: what a live bag tells of them, and that they cost the tip little."""
 
 import json
-from pathlib import Path
 
 import numpy as np
 import pytest
 
 from forest_bag.read.timeseries import Series, bag_of
+from forest_bringup import graph, lockstep_run
 from forest_control.operator.joystick_sources import thesis_levers
 from forest_control.operator.levers import REST
 from forest_control.valve import valve_driver, valve_driver_parameters
@@ -21,7 +21,7 @@ from forest_study.latency.timing import Session, Timing, drawn, replayed, score
 C180 = load_machine("c180_hoses")
 SECONDS, STEP_NS = 6.0, 5_000_000
 ON_TIME = Timing((), (), ())
-BAG = Path(__file__).resolve().parents[3] / "bags" / "coordinated"
+STEPS = 300  # of a run in lockstep
 
 
 def thesis():
@@ -98,13 +98,34 @@ def test_a_bag_tells_by_its_spools_which_voltages_were_in_force():
     assert session.armed == (True,) * count
 
 
-def test_the_command_finds_a_run_in_lockstep_on_the_dot(tmp_path, capsys, monkeypatch):
+@pytest.fixture(scope="module")
+def lockstep(tmp_path_factory, session_domain_id):
+    """A bag of a run in lockstep: the joystick's first second on the crane whose spools only lag."""
+    out = tmp_path_factory.mktemp("lockstep")
+    nodes = [
+        graph.joystick("thesis", 1.0, 0, ""),
+        *graph.control(C180.name, "coordinated", shadow=False, describe=False),
+        graph.simulator(C180.name),
+        graph.recorder(out / "bag"),
+    ]
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("ROS_DOMAIN_ID", str(session_domain_id))
+        lockstep_run.run(nodes, STEPS, out / "log")
+    return out / "bag"
+
+
+def test_spools_that_do_not_tell_the_voltage_are_refused(tmp_path, capsys):
+    assert cli.main(["timing", "nowhere", "--machine", "c180", "--out", str(tmp_path / "out")]) == 1
+    assert "the spools of c180 have play, dead time or a slew limit" in capsys.readouterr().err
+
+
+def test_the_command_finds_a_run_in_lockstep_on_the_dot(lockstep, tmp_path, capsys, monkeypatch):
     def brief(session, times, machine):
         return {"governed": {"rms": float(len(times.behind)), "max": 0.0}}
 
     monkeypatch.setattr(timing, "replayed", brief)
     monkeypatch.setattr(timing, "score", lambda moved, _session: moved)
-    assert cli.main(["timing", str(BAG), "--out", str(tmp_path / "out")]) == 0
+    assert cli.main(["timing", str(lockstep), "--out", str(tmp_path / "out")]) == 0
     report = json.loads((tmp_path / "out" / "timing.json").read_text())
     assert report["periods_behind"] == [report["both"]["governed"]["rms"]]
     assert report["lever_to_valve_ms"]["first"] == {"p50": 0.0, "p99": 0.0}

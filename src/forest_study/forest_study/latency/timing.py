@@ -175,7 +175,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the command's options."""
     parser.add_argument("bag", type=Path, metavar="BAG", help="of a live session on the simulator")
     parser.add_argument(
-        "--machine", default="c180", help="shipped machine or file that it ran with (default: %(default)s)"
+        "--machine",
+        default="c180_hoses",
+        help="shipped machine or file that it ran with (default: %(default)s)",
     )
 
 
@@ -183,10 +185,11 @@ def run(options: argparse.Namespace) -> int:
     """Run the command; return its exit code.
 
     Raises:
-        GraphError: there is no bag, or not what tells the times.
+        GraphError: there is no bag, or not what tells the times; the machine's spools do not tell them.
         MachineError: the machine's file cannot be read.
     """
     machine = load_machine(options.machine)
+    _refuse_other_spools(machine)
     try:
         bag = read_bag(options.bag)
         session, timing = measured(bag, machine)
@@ -199,6 +202,20 @@ def run(options: argparse.Namespace) -> int:
     print(table(report))
     print(f"  {options.out / 'timing.json'}")
     return 0
+
+
+def _refuse_other_spools(machine: Machine) -> None:
+    """Refuse a machine whose spools do more than follow by a lag: they do not tell the voltage in force.
+
+    Raises:
+        GraphError: it is one.
+    """
+    for valve in map(machine.valve_of, range(3)):
+        if valve.hysteresis or valve.dead_time or valve.spool_slew_limit:
+            raise GraphError(
+                f"timing: the spools of {machine.name} have play, dead time or a slew limit, and do not tell "
+                "the voltages in force; allowed: a session of a machine without, as c180_hoses"
+            )
 
 
 def compared(session: Session, timing: Timing, machine: Machine) -> dict[str, Any]:
