@@ -8,8 +8,7 @@ export OMP_NUM_THREADS=1                       # threads of BLAS only disturb th
 cd "$root"
 if [[ $# -eq 0 ]]; then
     alone=test/forest_station/live # judged in tenths of a second, beside a browser: after the rest
-    workers=$((($(nproc) * 3 + 1) / 2)) # more than cores: tests of live graphs wait for a third of their time
-    "$venv/bin/python" -m pytest -p xdist --numprocesses "$((workers < 8 ? workers : 8))" --dist loadfile \
+    "$venv/bin/python" -m pytest -p xdist --numprocesses auto --maxprocesses 8 --dist loadfile \
         --no-loadscope-reorder --ignore="$alone"
     set -- "$alone"
 fi

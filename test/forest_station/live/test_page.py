@@ -70,7 +70,7 @@ def assert_nothing_moves(crane, page):
 
 def test_the_page_shows_the_crane_as_it_stands(crane, opened):
     told = opened.page.evaluate("() => fetch('/scene.json').then((answer) => answer.json())")
-    assert told["machine"] == opened.page.get_attribute("#scene", "data-machine") == "c180"
+    assert told["machine"] == opened.page.get_attribute("#scene", "data-machine") == "c180_hoses"
     opened.wait(lambda: math.dist(opened.tip(), (5.5, 0.0, 1.0)) < SMALL_STEP)  # where the simulator begins
 
 
