@@ -102,7 +102,7 @@ def test_a_node_that_hangs_ends_the_run_and_is_named(tmp_path, domain_id, start_
     options = ("--lockstep", "--guard", "5", "--duration", "3600", "--out", str(tmp_path / "out"))
     demo = start_process(["-m", "forest_study.demo.demo", *options])
     bag = tmp_path / "out" / "bag"
-    wait_until(lambda: any(path.stat().st_size > 200_000 for path in bag.glob("*.mcap")))  # over what it begins with
+    wait_until(lambda: any(path.stat().st_size > 200_000 for path in bag.glob("*.mcap")))
     kill(nodes_of(demo)["joystick"], signal.SIGSTOP)
     assert demo.ended() == 1
     assert re.search(r"step \d+: waited 5 s for /joy of joystick", demo.text()), demo.text()
