@@ -63,5 +63,5 @@ def test_one_command_starts_graph_and_page_and_ctrl_c_ends_both(start_process, w
     wait_until(lambda: f"the page is at {address}" in station.text())
     with urllib.request.urlopen(address) as answer:
         assert b"<title>" in answer.read()
-    assert station.stop(signal.SIGINT) == 0
+    assert station.stop(signal.SIGINT) == 0, station.text()
     assert station.text().endswith("stopped\n")
