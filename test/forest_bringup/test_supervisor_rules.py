@@ -308,20 +308,24 @@ def test_a_node_that_still_loads_when_it_is_told_to_stop_ends_well(graph_of, tol
     assert graph.exit_codes == {"simulator": 0}
 
 
-def test_a_node_that_hangs_is_killed_and_zero_is_said_after_it(graph_of, guard, told, diary, monkeypatch):
+def test_a_node_that_hangs_is_killed_named_and_zero_is_said_after_it(
+    graph_of, guard, told, diary, monkeypatch, capsys
+):
     monkeypatch.setattr(supervisor, "GRACE", 0.2)
     graph = graph_of(valve_driver="hangs")
     with running(graph, told):
         pass
     assert graph.exit_codes == {"valve_driver": -9}
+    assert capsys.readouterr().err.startswith("warning: valve_driver was killed by SIGKILL")
     assert order(diary, "hangs") == ["valve_driver"]
     assert guard.zeros > 0
 
 
-def test_after_a_stop_in_which_nothing_hung_nothing_is_said(graph_of, guard, told):
+def test_after_a_stop_in_which_nothing_hung_nothing_is_said(graph_of, guard, told, capsys):
     with running(graph_of(valve_driver="", simulator=""), told):
         pass
     assert guard.zeros == 0
+    assert capsys.readouterr().err == ""
 
 
 def test_nothing_is_released_and_all_is_stopped_where_a_needed_node_is_there_already(graph_of, guard, diary):

@@ -143,9 +143,10 @@ class Supervisor:
         raise Stopped
 
     def stop(self) -> None:
-        """Stop every node, in order; after this nothing runs."""
+        """Stop every node, in order; after this nothing runs. Who ends badly is named."""
         for process in self._processes:
             self._record_memory(process)
+        alive = [process for process in self._processes if process.popen.poll() is None]
         self._stop_commanding_nodes()
         hung = False
         for process in self._processes:
@@ -155,6 +156,8 @@ class Supervisor:
             code = process.popen.returncode
             # Who still loads when told to stop has no handler yet: it ends as it was told.
             self.exit_codes[process.spec.name] = 0 if code == -signal.SIGTERM else code
+            if self.exit_codes[process.spec.name] and process in alive:
+                print(f"warning: {_exit_report(process, code)}", file=sys.stderr, flush=True)
         if hung:
             self._zero_voltage()  # it may have been the driver, without last words
         self._forward_logs()
