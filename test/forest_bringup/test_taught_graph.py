@@ -29,7 +29,7 @@ from forest_msgs_py.interfaces.messages import read_float_array
 PAGES = Path(__file__).resolve().parents[2] / "docs" / "how-to"
 TEACHING, DRIVING = PAGES / "teach-a-cycle.md", PAGES / "drive-from-a-program.md"
 STARTED_S = 90.0  # at which the test fails rather than hangs; on a busy machine a graph starts slowly
-CRANE = load_machine("c180")
+CRANE = load_machine("c180_hoses")  # c180 ends as far from a place as its swing's gear has play
 
 
 @pytest.fixture
@@ -76,7 +76,7 @@ def is_armed(status):
 
 
 def test_programs_teach_and_move_the_tip(start_graph, peer, wait_until, tmp_path, capsys):
-    graph = start_graph("--cycles", str(tmp_path), "--twist")
+    graph = start_graph("--machine", CRANE.name, "--cycles", str(tmp_path), "--twist")
     _teach(wait_until, tmp_path, capsys)
     tips, twists = peer.hear(topics.TIP_POSE), peer.hear(topics.TIP_TWIST)
     statuses, beat = peer.hear(topics.CONTROLLER_STATUS), itertools.count()
