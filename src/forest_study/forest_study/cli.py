@@ -22,6 +22,7 @@ from forest_study.latency import delay_study, placing, timing
 from forest_study.matrix import matrix_command
 from forest_study.results import StudyError, new_directory
 from forest_study.stability import bode_command
+from forest_study.sweep import sweep_command
 from forest_study.tracking import sway_command, track_command
 
 PROGRAM = "forest-study"
@@ -95,6 +96,8 @@ def _parser() -> argparse.ArgumentParser:
     bode_command.add_arguments(looped)
     swaying = _command(commands, "sway", _sway, "the hanging head after a stop, with anti-sway and without")
     sway_command.add_arguments(swaying)
+    many = _command(commands, "sweep", _sweep, "thousands of runs from a study's file, resumable")
+    sweep_command.add_arguments(many)
     return parser
 
 
@@ -150,6 +153,10 @@ def _bode(options: argparse.Namespace) -> int:
 
 def _sway(options: argparse.Namespace) -> int:
     return sway_command.run(options)
+
+
+def _sweep(options: argparse.Namespace) -> int:
+    return sweep_command.run(options)
 
 
 def _ablation(options: argparse.Namespace) -> int:
