@@ -76,8 +76,10 @@ def test_a_number_of_the_machine_may_be_a_list_with_its_unit(read):
         ("kind: placing\nvary: {control.tip_acceleration: [2]}", "not a key of this kind"),
         ("with: {mismatch: dedband=1}", "'dedband=1'"),
         (
-            "with: {machine: c180_hoses}\n"
-            "vary: {plant.boom.elasticity.stiffness: {values: [1e7], unit: N*m/rad}}",
+            (
+                "with: {machine: c180_hoses}\n"
+                "vary: {plant.boom.elasticity.stiffness: {values: [1e7], unit: N*m/rad}}"
+            ),
             "is not there",
         ),
     ],
