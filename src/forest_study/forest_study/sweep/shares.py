@@ -71,7 +71,8 @@ def _levels(study: Study, name: str, rows: Sequence[Row]) -> list[Any]:
     if name in study.lists:
         return [str(row[name]) for row in rows]
     order = np.argsort(np.argsort([row[name] for row in rows], kind="stable"), kind="stable")
-    return (order * min(BINS, len(rows)) // len(rows)).tolist()
+    levels: list[Any] = (order * min(BINS, len(rows)) // len(rows)).tolist()
+    return levels
 
 
 def _ratio(levels: Sequence[Any], values: Floats) -> float:

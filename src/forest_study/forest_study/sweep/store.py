@@ -108,7 +108,7 @@ def _require_pyarrow() -> None:
         ) from None
 
 
-def _machines(study: Study) -> dict[str, list[tuple[str, str]]]:
+def _machines(study: Study) -> dict[str, list[list[str]]]:
     """Return label and text of the files of each machine that a study names."""
     cases = [{**study.common, **combination} for combination in combinations(study)]
     names = {case[key] for case in cases for key in ("machine", "model") if case.get(key)}
