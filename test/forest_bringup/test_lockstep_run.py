@@ -9,13 +9,12 @@ import sys
 import numpy as np
 import pytest
 from graph_processes import kill, nodes_of
-from lockstep_sessions import LEVERS, LOCKSTEP_STEPS, lockstep_session
+from lockstep_sessions import LEVERS, LOCKSTEP_STEPS, lockstep_session, run_in_lockstep
 from mcap.reader import make_reader
 
 pytest.importorskip("rclpy")
 
 from forest_bag.read.timeseries import read_bag
-from forest_bringup import lockstep_run
 from forest_control.operator.joystick_sources import LEAD_IN, read_levers
 from forest_control.operator.levers import REST, levers_from_axes
 from forest_msgs_py.interfaces import topics
@@ -50,11 +49,10 @@ def test_every_message_of_step_k_is_stamped_k_dt_and_logged_then(lockstep_bag):
 
 
 def test_the_joystick_replayed_beside_programs_that_take_every_core_gives_the_run_again_to_the_last_bit(
-    lockstep_bag, tmp_path, own_domain, start_process
+    lockstep_bag, tmp_path, domain_id, start_process
 ):
     busy = [start_process(["-c", "while True: pass"]) for _ in range(os.cpu_count() or 1)]
-    nodes = lockstep_session(tmp_path, lockstep_bag)
-    lockstep_run.run(nodes, LOCKSTEP_STEPS, tmp_path / "log", guard=60.0)
+    run_in_lockstep(lockstep_session(tmp_path, lockstep_bag), LOCKSTEP_STEPS, tmp_path, domain_id)
     for process in busy:
         process.kill_group()
     done = compare(lockstep_bag, tmp_path / "bag")
