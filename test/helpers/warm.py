@@ -2,7 +2,6 @@
 
 import contextlib
 import inspect
-import sys
 
 import diagnostic_msgs.msg  # noqa: F401  nodes import it when they first report
 import rcl_interfaces.srv as parameter_services
@@ -17,7 +16,9 @@ from forest_msgs_py.interfaces import topics
 from forest_msgs_py.serialization.cdr import cdr_type
 from forest_sim import compiled as sim
 
-inspect.getmodule(sys._getframe())  # finds the file of every module, as rclpy does for the first line of a log
+inspect.getmodule(
+    inspect.currentframe()
+)  # finds the file of every module, as rclpy does for the first line of a log
 control.controller_step()
 control.driver_step()
 sim.PLANT.ready()
