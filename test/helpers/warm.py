@@ -18,7 +18,7 @@ from forest_sim import compiled as sim
 
 inspect.getmodule(
     inspect.currentframe()
-)  # finds the file of every module, as rclpy does for the first line of a log
+)  # the files of all modules: rclpy seeks them for a first line of log
 control.controller_step()
 control.driver_step()
 sim.PLANT.ready()
