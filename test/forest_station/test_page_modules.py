@@ -103,6 +103,27 @@ def test_a_page_hung_after_a_gap_of_a_tenth_of_a_second(js: Js) -> None:
     ]
 
 
+def test_a_page_that_hangs_often_says_what_is_to_be_done_about_the_computer(js: Js) -> None:
+    steps = """(m) => {
+      const hangs = new m.Hangs();
+      return [0, 1000, 61_500, 61_600, 61_700].map((now) => hangs.told(250, now));
+    }"""
+    told = js("hands/deadman.js", steps)
+    assert set(told[:4]) == {"the page hung for 0.3 s, longer than 0.1 s"}
+    assert "stop the drawing" in told[4]
+
+
+def test_without_a_connection_the_page_says_where_to_look(js: Js) -> None:
+    why = """(m) => {
+      const told = (lost) => m.whyText(null, { lost }, false, {});
+      return [told(""), told(m.lostText("")), told(m.lostText("The station ends."))];
+    }"""
+    first, lost, ended = js("hands/why.js", why)
+    assert "does scripts/station.sh run?" in first
+    assert lost.startswith("The crane stands still until the page is connected again.")
+    assert ended == "The station ends. Its terminal says why. Start scripts/station.sh anew."
+
+
 def test_a_standard_gamepad_means_what_game_controller_means(js: Js) -> None:
     buttons = "Array.from({length: 17}, (_, i) => ({pressed: i === 4, value: i === 7}))"
     device = f"{{axes: [0.5, -1, 1, 0.5], buttons: {buttons}}}"

@@ -3,7 +3,7 @@
 // The first entry whose pattern is found in the message.
 const REMEDIES = [
   [/^the graph starts/, "Wait some seconds. What is missing then is said here."],
-  [/waiting for a joystick/, "Take the seat on this page, or start a joystick node in the same ROS domain."],
+  [/waiting for a joystick/, "If you have the seat, wait a second. Else take it, or start a joystick node in the same ROS domain."],
   [/waiting for the machine's state/, "Start the simulator, or the crane's interface."],
   [/waiting for commands/, "Start the controller, in the same ROS domain and namespace."],
   [/waiting for voltages/, "Start the valve driver."],

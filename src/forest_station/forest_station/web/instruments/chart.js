@@ -78,8 +78,8 @@ export class Chart {
 
   #readings() {
     const entries = this.definition.lines.map(({ label }, i) => {
-      const swatch = make("i");
-      swatch.style.background = this.#colour(i);
+      const swatch = make("i", { className: this.definition.lines[i].dashed ? "dashed" : "" });
+      swatch.style.color = this.#colour(i);
       return make("label", {}, swatch, `${label} `, this.values[i]);
     });
     const unit = make("span", { className: "unit" }, this.definition.unit);

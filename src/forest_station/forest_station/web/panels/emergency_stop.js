@@ -28,6 +28,7 @@ class EmergencyStop {
     element.append(this.button, make("div", { className: "state" }, this.state, this.sources, this.resetButton));
     listenToKeys(() => this.stop());
     station.on("open", () => this.wanted && this.stop());
+    station.on("close", () => (this.resetButton.disabled = true));
     station.on("emergency_stop", (message) => this.#hear(message));
     station.on("seat", ({ you_drive: drives }) => {
       this.resetButton.disabled = !drives;
