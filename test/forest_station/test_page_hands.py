@@ -280,7 +280,7 @@ def test_a_stop_lets_go_and_says_so_when_nobody_confirms_it(met: PageStandIn) ->
     wait(met, lambda hands: not hands.held)
     met.page.wait_for_selector("text=Emergency stop sent, not yet confirmed.")
     met.page.clock.run_for(6000)
-    met.page.wait_for_selector("text=Emergency stop not confirmed: The server does not answer.")
+    met.page.wait_for_selector("text=Emergency stop not confirmed: The server has not answered yet.")
     met.silent.clear()
     met.page.keyboard.press("Space")
     met.page.wait_for_selector("text=Emergency stop not confirmed", state="hidden")

@@ -60,7 +60,7 @@ export class Station extends EventTarget {
     this.socket.send(JSON.stringify({ do: what, number, ...args }));
     return new Promise((resolve) => {
       this.requests.set(number, resolve);
-      setTimeout(() => resolve({ ok: false, text: "The server does not answer." }), ANSWER_MS);
+      setTimeout(() => resolve({ ok: false, text: "The server has not answered yet." }), ANSWER_MS);
     });
   }
 

@@ -39,9 +39,12 @@ export function remedy(text) {
 
 const WORST_FIRST = ["error", "stale", "warning", "ok"];
 
-// What is not well, the worst first; of several alike the first by name.
+// What is not well, the worst first; of several alike the first by name. What several say is told once, with all their names.
 export function troubles(statuses) {
-  return statuses
-    .filter(({ level }) => level !== "ok")
-    .sort((a, b) => WORST_FIRST.indexOf(a.level) - WORST_FIRST.indexOf(b.level) || a.name.localeCompare(b.name));
+  const found = new Map(); // by level and text
+  for (const { name, level, text } of statuses.filter(({ level }) => level !== "ok")) {
+    const key = `${level} ${text}`;
+    found.set(key, { name: found.has(key) ? `${found.get(key).name}, ${name}` : name, level, text });
+  }
+  return [...found.values()].sort((a, b) => WORST_FIRST.indexOf(a.level) - WORST_FIRST.indexOf(b.level) || a.name.localeCompare(b.name));
 }

@@ -38,6 +38,7 @@ class FirstMinute {
     });
     station.on("frame", ({ time }) => this.#follow(time));
     hands.addEventListener("change", () => this.#show());
+    station.on("replay", () => this.#end()); // it is the live crane's
     for (const kind of ["open", "close"]) station.on(kind, () => this.#show());
     this.#show();
   }
@@ -87,7 +88,7 @@ class FirstMinute {
     if (!this.station.connected) return "There is no connection to the crane: the line at the top says what to do.";
     if (this.stopped) return "Stopped: press Reset, at the top.";
     if (!this.attempt) {
-      return `Mark a square at the tip of the crane, and drive along it with the left stick. ${STOP} stops everything.`;
+      return `Mark a square at the tip of the crane, and drive along it: hold ${DEADMAN}, and push the left stick. ${STOP} stops everything.`;
     }
     if (isDone(this.attempt)) {
       const { rms, most, seconds } = result(this.attempt);

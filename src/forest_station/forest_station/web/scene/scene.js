@@ -46,7 +46,7 @@ class View {
     document.addEventListener("visibilitychange", () => this.#sayVisible());
     addEventListener("pagehide", () => this.cameras.keep());
     this.station.on("signals", () => this.#signals());
-    this.station.on("frame", ({ time, values }) => this.#sayValues({ kind: "frame", time }, values));
+    this.station.on("frame", ({ time, values }) => this.#sayValues({ kind: "frame", time, live: this.station.live }, values));
     this.station.on("ghost", (detail) => this.#ghost(detail));
     this.station.on("exercise", (exercise) => this.#exercise(exercise));
     this.station.on("taught", (taught) => this.#say({ kind: "taught", taught }));
