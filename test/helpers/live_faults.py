@@ -33,6 +33,7 @@ NODES = {  # in the order of the data; seconds to zero voltage once a node is go
     "valve_driver": 0.02,  # what it does not say it cannot hold open; the machine's own timeout is 0.1 s
     "simulator": 0.21,  # state_timeout and command_timeout, and a period
 }
+HOG = "import os; os.sched_setscheduler(0, os.SCHED_OTHER, os.sched_param(0))\nwhile True: pass"
 SHOUTER = str(Path(__file__).with_name("shouter.py"))
 
 
@@ -134,7 +135,7 @@ def no_memory(crane: LiveCrane) -> float:
 
 def hogs(crane: LiveCrane) -> float:
     """Keep every processor busy for a second, twice over."""
-    busy = [crane.start(["-c", "while True: pass"]) for _ in range(2 * (os.cpu_count() or 1))]
+    busy = [crane.start(["-c", HOG]) for _ in range(2 * (os.cpu_count() or 1))]
     wait(crane, LASTS)
     for one in busy:
         one.kill_group()

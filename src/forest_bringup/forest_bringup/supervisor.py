@@ -56,7 +56,11 @@ class _Process(NamedTuple):
     popen: subprocess.Popen[bytes]
     log: Path
     tail: IO[str]
-    go: IO[bytes]  # a byte releases it
+
+    @property
+    def go(self) -> IO[bytes]:
+        """Where a byte releases it."""
+        return cast("IO[bytes]", self.popen.stdin)
 
 
 class Supervisor:
@@ -187,8 +191,7 @@ class Supervisor:
             )
         if spec.urgent:
             raise_priority(popen.pid)
-        tail = log.open(encoding="utf-8", errors="replace")
-        self._processes.append(_Process(spec, popen, log, tail, cast("IO[bytes]", popen.stdin)))
+        self._processes.append(_Process(spec, popen, log, log.open(encoding="utf-8", errors="replace")))
 
     def _join_ros(self) -> "GraphMonitor":
         """Join the ROS graph; imported here, so that the nodes load meanwhile."""

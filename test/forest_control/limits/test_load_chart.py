@@ -28,7 +28,11 @@ def test_the_chart_is_straight_between_its_points():
     reaches, loads = REAL.capacity.reach, REAL.capacity.load
     for reach in np.linspace(0.0, 10.0, 101):
         assert allowed_load(float(reach), c) == pytest.approx(np.interp(reach, reaches, loads))
-    assert allowed_load(8.0, load_moment.capacity(C180)) == math.inf
+    free = load_moment.capacity(C180)
+    assert allowed_load(8.0, free) == math.inf
+    told = loading(9000.0, pose_at(TIP, C180), C180.manipulator.links, free)
+    assert (told.mass, told.allowed, told.share) == (9000.0, math.inf, 0.0)
+    assert told.reach == pytest.approx(6.5)
 
 
 def test_whatever_is_wished_no_more_loads_than_may_and_what_does_not_load_is_untouched():
