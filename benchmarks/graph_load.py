@@ -23,11 +23,13 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "test" / "helpers")
 from graph_processes import nodes_of
 
 from forest_bag.read.timeseries import Bag, read_bag
+from forest_control.operator.joystick_sources import LEAD_IN
 from forest_msgs_py.interfaces import topics
 
 DOMAIN = 76
 TICKS = os.sysconf("SC_CLK_TCK")
 SETTLES = 4.0  # [s] that are left out
+HOG = "import os; os.sched_setscheduler(0, os.SCHED_OTHER, os.sched_param(0))\nwhile True: pass"
 RELAY = """
 import sys
 import rclpy
@@ -75,11 +77,9 @@ def delays(bag: Bag, first: str, last: str, by_stamp: bool) -> np.ndarray:
     """Return how long after a message of one topic its answer on another was published [s]."""
     sent: list[dict[int, int]] = []
     for name in (first, last):
-        topic = next(name_ for name_ in bag.topics if name_ == name)
-        series = bag.series(topic)
+        series = bag.series(name)
         keys = series.time_ns if by_stamp else series.values[:, 0].astype(int)
-        times = np.array([message.publish_ns for message in bag._messages[topic]])
-        sent.append(dict(zip(keys.tolist(), times.tolist(), strict=True)))
+        sent.append(dict(zip(keys.tolist(), bag.sent_ns(name).tolist(), strict=True)))
     both = [(sent[1][key] - begun) * 1e-9 for key, begun in sent[0].items() if key in sent[1]]
     return np.array(both[round(SETTLES * 200) :])
 
@@ -93,16 +93,18 @@ def main() -> None:
     os.environ["ROS_DOMAIN_ID"] = str(DOMAIN)
     with tempfile.TemporaryDirectory() as name, contextlib.ExitStack() as stack:
         folder = Path(name)
-        rows = [f"{k / 10:.1f},{0.4 * math.sin(math.pi * k / 10):.4f},0,0.1" for k in range(6000)]
+        rows = ["0,0,0,0"]  # at rest until every node is there
+        rows += [f"{k / 10:.1f},{0.4 * math.sin(math.pi * k / 10):.4f},0,0.1" for k in range(20, 6000)]
         (folder / "levers.csv").write_text("\n".join(["time_s,swing,boom,stick", *rows, ""]))
-        relays = [stack.enter_context(started(["-c", RELAY, str(k)], folder / f"relay{k}")) for k in range(3)]
+        for k in range(3):
+            stack.enter_context(started(["-c", RELAY, str(k)], folder / f"relay{k}"))
         begun = time.monotonic()
         words = ["-m", "forest_bringup.graph", "--joystick", str(folder / "levers.csv")]
         graph = stack.enter_context(started([*words, "--record", str(folder / "bag")], folder / "log"))
         while "recording to" not in (folder / "log").read_text() and time.monotonic() - begun < 30.0:
             time.sleep(0.05)
         for k in range((os.cpu_count() or 1) * options.hog):
-            stack.enter_context(started(["-c", "while True: pass"], folder / f"hog{k}"))
+            stack.enter_context(started(["-c", HOG], folder / f"hog{k}"))
         time.sleep(SETTLES)
         nodes = nodes_of(graph)
         before, at = {name: processor(pid) for name, pid in nodes.items()}, time.monotonic()
@@ -113,7 +115,6 @@ def main() -> None:
         for name, pid in nodes.items():
             print(f"| {name} | {100.0 * shares[name]:.0f} | {own_mb(pid):.0f} |")
         print(f"| all | {100.0 * sum(shares.values()):.0f} | |\n")
-        del relays
         stack.close()
         report(folder / "bag", begun)
 
@@ -130,7 +131,9 @@ def report(path: Path, begun: float) -> None:
         print(f"| {text} | {median:.2f} | {p99:.2f} | {len(found)} |")
     series = bag.series(topics.VALVE_VOLTAGES)
     opened = bag.sent_ns(topics.VALVE_VOLTAGES)[series.values.any(axis=1)][0] * 1e-9
-    print(f"\nfirst voltage {opened - (time.time() - time.monotonic()) - begun:.2f} s after the start")
+    rest = 2.0 + LEAD_IN
+    after = opened - (time.time() - time.monotonic()) - begun - rest
+    print(f"\nfirst voltage {after:.2f} s after the start, the {rest:g} s left out that the levers rest")
 
 
 if __name__ == "__main__":

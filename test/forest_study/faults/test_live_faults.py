@@ -13,7 +13,7 @@ from live_faults import broken, cells, page
 from processes import ForkedNode
 
 WHOLE = int(os.environ.get("LIVE_FAULTS", "0"))  # repetitions of every cell; 0: the short form
-SHORT = ("controller: SIGKILL", "valve_driver: SIGKILL", "simulator: SIGKILL", "joystick: SIGKILL")
+SHORT = ("controller: SIGSTOP", "simulator: restarted")
 CELLS = cells()
 WELL = Outcome(0.1, 0.0, 0.05, ("x: y",), False, True, 0, 0, (), False)
 
