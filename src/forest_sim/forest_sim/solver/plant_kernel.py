@@ -18,17 +18,10 @@ from forest_sim.equations.plant_parameters import PlantParameters, plant_paramet
 from forest_sim.half_step import compensator_step, holding_step, pushed_spools, tank_step
 from forest_sim.hydraulics import command_history, port, spool_dynamics, supply
 from forest_sim.mechanics import pendulum
-from forest_sim.solver import (
-    axis_stage,
-    conserved_oil,
-    drive_stage,
-    elastic_stage,
-    implicit_stage,
-    integrator,
-    power_flows,
-)
+from forest_sim.solver import conserved_oil, integrator, power_flows
 from forest_sim.solver.equilibrium import equilibrium
 from forest_sim.solver.integrator import Simulation
+from forest_sim.stage import axis_stage, drive_stage, elastic_stage, implicit_stage
 
 # What is seldom called, or only with the energy account: inlined, it would make the whole larger.
 NOINLINE = (
