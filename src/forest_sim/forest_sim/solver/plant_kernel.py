@@ -1,7 +1,7 @@
 """The machine code of the plant's steps: what it is made of, and where it is kept.
 
 The laws stay ordinary Python; here, and only here, they are handed to a compiler. Making the
-machine code takes some two seconds (`python -m forest_sim.compiled`). Loading it
+machine code takes some ten seconds (`python -m forest_sim.compiled`). Loading it
 (`forest_compile.kernel_cache`) takes some milliseconds. `compiled_plant` calls it.
 """
 
