@@ -210,8 +210,9 @@ SENSORS = {
     "resolver frozen": Fault(
         "one repeats its last reading",
         "Seen once its joint was told to go 0.02 rad. In taught work centred sticks arm again: the cycle"
-        " stays paused, but the tip is held by a wrong angle: gap.",
-        _state(Bound(way=0.45), Bound(zero=1.0)) | {State.TAUGHT: Bound(way=0.45, held=True)},
+        " stays paused, but the tip is held by a wrong angle: gap. So may a crane that stands inch.",
+        _state(Bound(way=0.45), Bound(zero=1.0))
+        | {State.STANDING: Bound(way=0.005, again=False), State.TAUGHT: Bound(way=0.45, held=True)},
         sensors="{axis}_resolver: frozen",
     ),
     "resolver drops half": Fault(
