@@ -1,7 +1,7 @@
 """The machine code of the plant's steps: what it is made of, and where it is kept.
 
 The laws stay ordinary Python; here, and only here, they are handed to a compiler. Making the
-machine code takes some two seconds (`python -m forest_sim.compiled`). Loading it
+machine code takes some ten seconds (`python -m forest_sim.compiled`). Loading it
 (`forest_compile.kernel_cache`) takes some milliseconds. `compiled_plant` calls it.
 """
 
@@ -37,8 +37,8 @@ NOINLINE = (
     tank_step.returned_flow,
     supply.flow_after,
     axis_stage._solve_with_holding,
-    valve_characteristic._curved_opening,
-    valve_characteristic._overlap_leakage,
+    valve_characteristic.curved_opening,
+    valve_characteristic.overlap_leakage,
     implicit_stage._iterate_further,
     implicit_stage._equations_at_again,
     implicit_stage._iterate_elastic,
