@@ -219,14 +219,14 @@ def judged(
     after, decision = permitted(
         before._replace(checks=checks._replace(let_go=let_go)), now, dt, guard, override
     )
-    sunk = sinking_joint.is_sinking(checks.sunk)
+    overloaded = sinking_joint.is_sinking(checks.sunk)
     if decision.verdict == Verdict.MOVE and not let_go:
-        cause = Cause.OVERLOAD if sunk else Cause.OPERATOR
-        waiting = Decision(Verdict.HOLD, cause, believed=True, dt=dt, overloaded=sunk)
+        cause = Cause.OVERLOAD if overloaded else Cause.OPERATOR
+        waiting = Decision(Verdict.HOLD, cause, believed=True, dt=dt, overloaded=overloaded)
         return disarmed(after, now, guard), waiting
     if decision.verdict == Verdict.MOVE:
         return after._replace(checks=after.checks._replace(sunk=Sinking())), decision
-    return after, decision._replace(overloaded=sunk)
+    return after, decision._replace(overloaded=overloaded)
 
 
 def permitted(
