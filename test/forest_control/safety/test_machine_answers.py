@@ -37,7 +37,7 @@ def test_a_joint_of_far_another_rate_is_told_within_two_seconds(joint, side, sha
 
     answers = after(1.9, of(0.1), of(share * 0.1))
     assert is_of_another_rate(answers, joint) == other
-    assert not other or gain(answers, joint) == pytest.approx(share)
+    assert not other or gain(answers, joint) == pytest.approx(share, rel=0.1)
     assert not any(is_of_another_rate(answers, i) for i in range(3) if i != joint)
     assert not is_of_another_rate(after(0.2, of(0.1), of(share * 0.1)), joint)
 
@@ -45,6 +45,8 @@ def test_a_joint_of_far_another_rate_is_told_within_two_seconds(joint, side, sha
 def test_a_joint_that_stands_is_not_judged_and_one_that_has_proven_right_is_not_asked_again():
     told = (0.1, 0.0, 0.0)
     assert not is_of_another_rate(after(60.0, told, (5e-4, 0.0, 0.0)), 0)  # something holds it
+    stopped = after(3.0, told, ZERO, after(0.5, told, told))  # its cable was cut before it had proven right
+    assert not is_of_another_rate(stopped, 0)
     right = after(1.5, told, told)
     assert not is_of_another_rate(after(60.0, told, (0.03, 0.0, 0.0), right), 0)
     assert not is_of_another_rate(after(60.0, (1e-3, 0.0, 0.0), (0.05, 0.0, 0.0)), 0)  # it only feeds leakage
