@@ -92,7 +92,7 @@ def answered(
     way = dt * ((abs(v[0]) if u[0] * v[0] > 0.0 else 0.0) + (v[1] if u[1] > 0.0 and v[1] > 0.0 else 0.0))
     if before.way >= FREE or way == 0.0 or math.isnan(force):
         return after
-    torque, head = lever_arm(q[1], c.linkage) * force, c.gravity * c.head_mass * _reach(q, p)
+    torque, head = lever_arm(q[1], c.linkage) * force, c.gravity * c.empty_head * _reach(q, p)
     return after._replace(
         way=before.way + way,
         borne=before.borne + torque * way,
