@@ -40,6 +40,12 @@ def test_only_a_valve_that_moves_when_it_should_be_quiet_cycles(until, cycles):
     assert rest(trajectory(volts, 0.0)).cycles == cycles
 
 
+def test_the_dither_of_a_valve_that_feeds_is_no_cycle():
+    volts = 1.0 + 0.1 * np.sin(2.0 * np.pi * 50.0 * TIME)
+    assert activity(trajectory(volts, 0.0).voltages) > 10.0
+    assert not rest(trajectory(volts, 0.0)).cycles
+
+
 def test_the_error_at_rest_is_a_mean_over_half_a_second():
     rocking = 0.003 + 0.01 * np.sin(2.0 * np.pi * 8.0 * TIME)
     tip = np.where(QUIET - 1.0 < TIME, rocking, 0.0)
