@@ -309,8 +309,8 @@ VALVES = {
     "short circuit": Fault(
         "full voltage on one valve; the operator lets go 0.5 s later",
         "The same. A joint at its end stop goes no further, and is not named.",
-        same(Bound(zero=0.8, told=OF_MACHINE, told_within=1.3, again=False), HELD)
-        | {State.TAUGHT: Bound(zero=0.8, again=False)}
+        same(Bound(zero=0.8, told=OF_MACHINE, told_within=1.6, again=False), MOVING)
+        | {state: Bound(zero=0.8, again=False) for state in (State.STANDING, State.TAUGHT)}
         | {State.EXPERIMENT: Bound(again=False)},
         volts=wires.wrong_from_here,
         let_go=0.5,
