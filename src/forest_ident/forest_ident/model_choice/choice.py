@@ -25,15 +25,10 @@ def chosen(start: Machine, identify: Identify, allowed: Sequence[str]) -> Result
         allowed: names of `candidates.CANDIDATES`.
 
     Raises:
-        SessionError: physics are allowed, but no record is held out.
+        SessionError: one record alone contradicts the others, and looks like no physics of a crane.
     """
     best: Result = identify(start)
     decisions: list[str] = []
-    if allowed and not best.held_out:
-        raise SessionError(
-            f"--allow {' '.join(allowed)}: no record is held out to decide by; allowed: with a "
-            "bag of `validation`"
-        )
     for candidate in CANDIDATES:
         if candidate.name not in allowed:
             continue
@@ -56,5 +51,16 @@ def chosen(start: Machine, identify: Identify, allowed: Sequence[str]) -> Result
             f"{gain.told()}"
         )
         best = richer if gain.better else best
-    best.remarks += decisions + [one.sentence() for one in residual_patterns.findings(best)]
+    named = residual_patterns.findings(best)
+    if best.stranger and best.stranger not in {one.record for one in named}:
+        _refuse_stranger(best)
+    best.remarks += decisions + [one.sentence() for one in named]
     return best
+
+
+def _refuse_stranger(result: Result) -> None:
+    said = next(remark for remark in result.remarks if remark.startswith(f"{result.stranger}: the model"))
+    raise SessionError(
+        f"{said} The other records agree with each other, and it looks like no physics of a crane: leave "
+        "this one out, or check whose it is and which experiment"
+    )

@@ -11,12 +11,16 @@ They have no linear estimate. Each begins with the machine's number and `UNKNOWN
 deviation, so a record that tells nothing of one leaves it there: "the data cannot tell".
 """
 
+import math
+from collections.abc import Mapping
+
 from forest_description.machine import Machine
 from forest_ident.measurements.parameter_path import part_of
+from forest_ident.output_error.prediction import STEP
 
 UNKNOWN = 0.4  # standard deviation of the prior, relative
 COARSE = {"dead_time": 0.25}
-"""Relative differences for derivatives, where the simulator rounds a number to its own steps of 1 ms."""
+"""Relative differences for derivatives, where the simulator rounds a number to its own steps."""
 FRICTION = ("coulomb_force", "breakaway_force", "coulomb_torque", "breakaway_torque")
 PLAY = ("hysteresis", "dead_time", "spool_slew_limit")
 HOLDING = ("setting", "pilot_ratio")
@@ -40,6 +44,15 @@ def told_by(machine: Machine, kind: str, axis: str, valve: str) -> tuple[str, ..
     if kind == "spool":
         keys += [f"{valve}.{name}" for name in PLAY]
     return tuple(key for key in keys if part_of(machine, key))
+
+
+def rounding(values: Mapping[str, float]) -> dict[str, float]:
+    """Return the relative standard deviation that the simulator's steps add to numbers rounded to them."""
+    return {
+        key: STEP / math.sqrt(12.0) / value
+        for key, value in values.items()
+        if key.rpartition(".")[2] in COARSE and value > 0.0
+    }
 
 
 def is_extension(key: str) -> bool:
