@@ -52,7 +52,8 @@ def _rows(axis: str, session: Session) -> Floats:
         return np.zeros((2, 0))
     both = np.array([session.column(name) for name in names])
     means = both[:, : len(session.time) // MEAN * MEAN].reshape(2, -1, MEAN).mean(axis=2)
-    return means[:, np.abs(np.gradient(means[0])) > MOVED]
+    moved = np.abs(np.gradient(means[0])) > MOVED
+    return np.asarray(means[:, moved], dtype=np.float64)
 
 
 def _pivots(machine: Machine, axis: str, q: Floats, x: Floats) -> list[Estimate]:

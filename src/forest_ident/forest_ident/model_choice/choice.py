@@ -8,6 +8,7 @@ from forest_ident.measurements.session import SessionError
 from forest_ident.model_choice import residual_patterns
 from forest_ident.model_choice.candidates import CANDIDATES
 from forest_ident.model_choice.held_out_comparison import compare
+from forest_ident.model_choice.measured_curve import with_measured_curves
 from forest_ident.refinement.result import Result
 
 Identify = Callable[[Machine], Result]
@@ -40,6 +41,9 @@ def chosen(start: Machine, identify: Identify, allowed: Sequence[str]) -> Result
         if richer_start == best.start:
             decisions.append(f"--allow {candidate.name}: the start has {candidate.physics} already")
             continue
+        if candidate.name == "curve":
+            records = [one.session for one in best.refined]
+            richer_start = with_measured_curves(richer_start, records)
         try:
             richer = identify(richer_start)
             gain = compare(best.machine, richer.machine, best.held_out)

@@ -46,7 +46,7 @@ ITERATIONS = 20
 DAMPING = 1e-6  # at the start: so small that correlated parameters may move together
 TRIES = 8  # of one step, each with more damping
 CONVERGED = 0.1  # of the standard errors, that the last step moved
-STALE = 0.1  # of a positive parameter, from where derivatives were taken, to take them again
+STALE = 0.03  # of a positive parameter, from where derivatives were taken, to take them again
 SLOW = 0.3  # of the last step; after a longer step derivatives are taken again, too
 
 Model = Callable[[Mapping[str, float]], Columns]
