@@ -1,12 +1,10 @@
 """The page's pure modules, imported by a browser: what the hands, the history and the instruments compute."""
 
 import math
-from collections.abc import Callable, Iterator
 from typing import Any
 
 import pytest
-from page_stand_in import ADDRESS, WEB
-from playwright.sync_api import Browser
+from page_stand_in import Js
 
 from forest_control.operator import joystick_watch
 from forest_control.operator.levers import AXIS_COUNT, BUTTON_COUNT, LEFT_SHOULDER
@@ -14,28 +12,6 @@ from forest_control.safety import motion_guard
 from forest_control.valve import command_gate
 from forest_msgs_py.interfaces.topics import JOY_AXES, JOY_BUTTONS
 from forest_station.operator.hands import Hands, decode_hands, encode_hands
-
-Js = Callable[..., Any]
-
-
-@pytest.fixture(scope="module")
-def js(browser: Browser) -> Iterator[Js]:
-    """Calls an arrow function with a module of the page, and with further arguments."""
-    page = browser.new_page()
-    page.route(
-        f"{ADDRESS}/web/**",
-        lambda route: route.fulfill(path=WEB.parent / route.request.url[len(ADDRESS) + 1 :]),
-    )
-    page.route(ADDRESS + "/", lambda route: route.fulfill(body="", content_type="text/html"))
-    page.goto(ADDRESS + "/")
-
-    def call(module: str, function: str, argument: Any = None) -> Any:
-        return page.evaluate(
-            f"async (argument) => ({function})(await import('/web/{module}'), argument)", argument
-        )
-
-    yield call
-    page.close()
 
 
 def test_axes_and_buttons_have_the_names_and_the_order_of_joy(js: Js) -> None:
@@ -125,6 +101,27 @@ def test_a_page_hung_after_a_gap_of_a_tenth_of_a_second(js: Js) -> None:
         True,
         True,
     ]
+
+
+def test_a_page_that_hangs_often_says_what_is_to_be_done_about_the_computer(js: Js) -> None:
+    steps = """(m) => {
+      const hangs = new m.Hangs();
+      return [0, 1000, 61_500, 61_600, 61_700].map((now) => hangs.told(250, now));
+    }"""
+    told = js("hands/deadman.js", steps)
+    assert set(told[:4]) == {"the page hung for 0.3 s, longer than 0.1 s"}
+    assert "stop the drawing" in told[4]
+
+
+def test_without_a_connection_the_page_says_where_to_look(js: Js) -> None:
+    why = """(m) => {
+      const told = (lost) => m.whyText(null, { lost }, false, {});
+      return [told(""), told(m.lostText("")), told(m.lostText("The station ends."))];
+    }"""
+    first, lost, ended = js("hands/why.js", why)
+    assert "does scripts/station.sh run?" in first
+    assert lost.startswith("The crane stands still until the page is connected again.")
+    assert ended == "The station ends. Its terminal says why. Start scripts/station.sh anew."
 
 
 def test_a_standard_gamepad_means_what_game_controller_means(js: Js) -> None:
@@ -327,6 +324,7 @@ MESSAGES = (
         "valve driver: keeps the valves shut",
     ),
     "joint state: boom is 3.1 rad; allowed: 0.100 .. 1.200",
+    "machine: boom goes by itself, 3 degrees though its valve is shut; allowed: shut off the hydraulics",
     "joint state: boom moves at 9 rad/s; allowed: up to 5",
     "valve_commands: boom is 12 V, clipped to its rating of 10 V",
     "hydraulics/pressures: 3 values; allowed: 12; the nominal load is taken",
@@ -344,10 +342,34 @@ def test_every_message_of_our_nodes_has_something_to_do(js: Js, text: str) -> No
 
 def test_troubles_are_told_the_worst_first_and_what_is_well_is_not(js: Js) -> None:
     parts = [
-        {"name": "b", "level": "warning", "text": ""},
-        {"name": "c", "level": "ok", "text": ""},
-        {"name": "a", "level": "warning", "text": ""},
-        {"name": "d", "level": "error", "text": ""},
+        {"name": "b", "level": "warning", "text": "waits"},
+        {"name": "c", "level": "ok", "text": "well"},
+        {"name": "a", "level": "warning", "text": "clips"},
+        {"name": "d", "level": "error", "text": "stopped"},
+        {"name": "e", "level": "error", "text": "stopped"},
     ]
     found = js("diagnostics/remedies.js", "(m, parts) => m.troubles(parts)", parts)
-    assert [part["name"] for part in found] == ["d", "a", "b"]
+    assert [part["name"] for part in found] == ["d, e", "a", "b"]  # what two say is told once
+
+
+@pytest.mark.parametrize(
+    ("told", "said"),
+    [
+        ((True, "The recorder starts."), "mine: 00:00:05, 2 kB. The recorder starts."),
+        ((True, "0:00:31.7, 3.46 MB, lost 0"), "mine: 0:00:31.7, 3.46 MB, lost 0"),
+        ((False, "Nothing is recorded."), "Nothing is recorded."),
+        (
+            (False, "recorded 9000 messages, 30 topics, lost 9, 9 of /joy: mine"),
+            "recorded 9000 messages, 30 topics, lost 9: mine",
+        ),
+        (
+            (False, "recorded 900 messages, 30 topics, lost 9, 5 of /joy, 4 of /a/b: mine"),
+            "recorded 900 messages, 30 topics, lost 9: mine. Too many are lost for figures.",
+        ),
+    ],
+)
+def test_a_recordings_losses_are_told_once_with_what_they_mean(
+    js: Js, told: tuple[bool, str], said: str
+) -> None:
+    state = {"active": told[0], "name": "mine", "seconds": 5, "bytes": 2000, "text": told[1]}
+    assert js("panels/recording.js", "(m, state) => m.stateText(state)", state) == said

@@ -6,13 +6,13 @@
 | it is not zero, and its stamp stands still or goes back | REFUSE |
 | it cannot be read | CENTRE |
 | the emergency stop is pressed | CENTRE |
-| none was good for `GONE`, and none since was zero | CENTRE |
+| none in time was good for `GONE`, and none since was zero | CENTRE |
 | no command for the timeout (`is_lost`) | CENTRE |
 | none of these | STEP |
 
 Commands that were gone for long must be zero once before they count again: the levers are let go. Meanwhile
-the controller may have gone on, and its reference with it. What this process itself slept through was not
-gone: times are those of sending.
+the controller may have gone on, and its reference with it. What this process itself slept through was gone,
+too.
 """
 
 import math
@@ -58,13 +58,11 @@ class CommandGate:
         self.timeout, self._now = timeout, now
         self.problem = ""  # of the newest command, in one sentence
         self._order, self._sent, self._values = stamp_order.FIRST, -math.inf, ZERO
-        self._good = -math.inf  # [s] when the newest good command was sent
         self._waits = False  # for a command of zero
 
     def decide(self, command: Command, pressed: bool) -> Verdict:
         """Return what follows from a command that was just read; `pressed`: the emergency stop is."""
         if self._now() - command.sent > self.timeout:
-            self._good = self._good if command.problem else command.sent
             return Verdict.SKIP  # `is_lost` acts meanwhile
         self.problem = command.problem
         if not self.problem and command.values != ZERO:  # zero counts in any order
@@ -75,9 +73,9 @@ class CommandGate:
                 return Verdict.REFUSE  # what is past moves nothing; `is_lost` acts if nothing newer comes
         if self.problem:
             return Verdict.CENTRE
-        was_gone = self._good > -math.inf and command.sent - self._good > GONE
+        was_gone = self._sent > -math.inf and command.sent - self._sent > GONE
         self._waits = (self._waits or was_gone) and command.values != ZERO
-        self._sent, self._good, self._values = command.sent, command.sent, command.values
+        self._sent, self._values = command.sent, command.values
         if self._waits:
             self.problem = CAME_BACK
         return Verdict.CENTRE if pressed or self._waits else Verdict.STEP

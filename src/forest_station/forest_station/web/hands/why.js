@@ -3,13 +3,19 @@
 // By code of `limit` on controller/status: docs/reference/codes.md.
 const LIMITS = [
   "", "a joint's greatest speed", "the end of a joint", "a singular pose", "the flow of the pumps", "a wall", "",
-  "the load: inward, down and sideways are free", "",
+  "the load: inward, down and sideways are free", "an overload: centre the sticks, then put the load down", "the joystick's late link",
 ];
 
 export function driverText(seat) {
   if (!seat) return "No connection";
   if (seat.you_drive) return "You drive";
   return seat.driver === null ? "Nobody drives" : `${seat.driver} drives, you look on`;
+}
+
+// What is said when the connection ends, by the server's reason; "": it told none.
+export function lostText(reason) {
+  const what = reason ? `${reason} Its terminal says why.` : "The crane stands still until the page is connected again.";
+  return `${what} ${reason ? "Start scripts/station.sh anew." : "If this lasts, look at the terminal of scripts/station.sh."}`;
 }
 
 // How the deadman is, as the server judges it: {state, text}. "pressed": a hand is on it, and it does not count.
@@ -43,10 +49,10 @@ export const isStanding = (text) => STANDING.test(text);
 
 // Why nothing moves, or not as fast as it was told to; "" if nothing is in the way.
 //
-// seat: the newest message, or null; here: {held, doubted, why} of this page's deadman, and its id, {you}; stopped: the emergency stop is active;
+// seat: the newest message, or null; here: {held, doubted, why} of this page's deadman, its id, {you}, and how it lost the server, {lost}; stopped: the emergency stop is active;
 // status: armed, factor and limit of controller/status, NaN where unknown; cause: why the controller stands still, "" if nobody knows.
 export function whyText(seat, here, stopped, status, cause = "") {
-  if (!seat) return "The crane stands still until the page is connected again.";
+  if (!seat) return here.lost || "The page asks for the crane. If this lasts: does scripts/station.sh run?";
   if (stopped) return ""; // its own panel says so
   if (seat.why_not) return seat.why_not;
   if (seat.asking.includes(here.you)) return `${seat.driver} is asked to hand over.`;
