@@ -11,6 +11,8 @@ from forest_ident.model_choice.held_out_comparison import compare
 from forest_ident.model_choice.measured_curve import with_measured_curves
 from forest_ident.refinement.result import Result
 
+MACHINE = 30.0  # times a sensor's noise, that another machine leaves at least; lacking physics may leave less
+
 Identify = Callable[[Machine], Result]
 
 
@@ -57,12 +59,18 @@ def chosen(start: Machine, identify: Identify, allowed: Sequence[str]) -> Result
         best = richer if gain.better else best
     named = residual_patterns.findings(best)
     if best.stranger and best.stranger not in {one.record for one in named}:
-        _refuse_stranger(best)
+        _refuse_another_machines(best)
     best.remarks += decisions + [one.sentence() for one in named]
     return best
 
 
-def _refuse_stranger(result: Result) -> None:
+def _refuse_another_machines(result: Result) -> None:
+    """Refuse the record that contradicts all others, if it does so by far."""
+    if (
+        max(residual_patterns.times_noise(r) for r in result.refined if r.session.name == result.stranger)
+        < MACHINE
+    ):
+        return
     said = next(remark for remark in result.remarks if remark.startswith(f"{result.stranger}: the model"))
     raise SessionError(
         f"{said} The other records agree with each other, and it looks like no physics of a crane: leave "

@@ -3,7 +3,7 @@
 | section | record | numbers | motion that tells them |
 |---|---|---|---|
 | AXIS.friction | damping_AXIS | at speed, at breakaway | several speeds, through zero both ways |
-| valve | spool_lag | hysteresis, dead time, slew limit | steps up and down, with a spool sensor |
+| valve | valve, spool_lag | hysteresis, dead time, slew limit | steps up and down, with a spool sensor |
 | oil.air | damping_boom, damping_stick | free air | starts and stops, the load on either side |
 | AXIS.holding_1, _2 | damping_AXIS | setting, pilot ratio | lowering at several speeds |
 
@@ -32,7 +32,7 @@ def told_by(machine: Machine, kind: str, axis: str, valve: str) -> tuple[str, ..
 
     Args:
         machine: as fitted.
-        kind: of the record: "damping", "spool".
+        kind: of the record: "damping", "spool", "valve".
         axis: that the record is about.
         valve: section of that axis' valve.
     """
@@ -41,7 +41,7 @@ def told_by(machine: Machine, kind: str, axis: str, valve: str) -> tuple[str, ..
         keys += [f"{axis}.friction.{name}" for name in FRICTION]
         keys += [f"{axis}.holding_{port}.{name}" for port in (1, 2) for name in HOLDING]
         keys += ["oil.air.share"] if part_of(machine, f"{axis}.chambers") is not None else []
-    if kind == "spool":
+    if kind in ("spool", "valve"):
         keys += [f"{valve}.{name}" for name in PLAY]
     return tuple(key for key in keys if part_of(machine, key))
 
