@@ -6,6 +6,7 @@ What a NamedTuple took as a default keeps its value.
 """
 
 import importlib
+import math
 import pkgutil
 import sys
 from functools import lru_cache
@@ -67,10 +68,18 @@ def changed(changes: Changes) -> Settings:
             given[place][name] = value
         else:
             _change_constant(place, name, value)
+    _forget()
     return Settings(
         controller_settings.Settings(**given["controller"]),
         valve_driver_parameters.Settings(**given["valve_driver"]),
     )
+
+
+def _forget() -> None:
+    """Forget what modules have kept of computations with other constants."""
+    for module in [module for room in ROOMS for module in _modules(room)]:
+        for kept in [one for one in vars(module).values() if hasattr(one, "cache_clear")]:
+            kept.cache_clear()
 
 
 def at_runtime() -> Floats:
@@ -145,4 +154,4 @@ def _source(module: ModuleType) -> str:
 def _is_number(value: object) -> bool:
     if isinstance(value, tuple):
         return bool(value) and type(value) is tuple and all(map(_is_number, value))
-    return type(value) in (int, float)
+    return type(value) in (int, float) and not math.isnan(value)  # type: ignore[arg-type]
