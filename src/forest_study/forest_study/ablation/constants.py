@@ -1,6 +1,7 @@
 """The numbers of `forest_control`: constants of its modules, and the settings of controller and valve driver.
 
-A constant is called `room.module.NAME`; a setting `controller.name` or `valve_driver.name`, as on the nodes.
+Whole numbers are codes and sizes: none of these. A constant is called `room.module.NAME`; a setting
+`controller.name` or `valve_driver.name`, as on the nodes.
 Modules take each other's constants by name when they are imported, so a change must reach each of them.
 What a NamedTuple took as a default keeps its value.
 """
@@ -104,10 +105,8 @@ def at_runtime() -> Floats:
 
 
 def scaled(value: Number, factor: float) -> Number:
-    """Return a number, or each of several, times a factor; whole numbers stay whole."""
-    if isinstance(value, tuple):
-        return tuple(factor * one for one in value)
-    return round(factor * value) if isinstance(value, int) else factor * value
+    """Return a number, or each of several, times a factor."""
+    return tuple(factor * one for one in value) if isinstance(value, tuple) else factor * value
 
 
 def _change_constant(place: str, name: str, value: Number) -> None:
@@ -154,4 +153,4 @@ def _source(module: ModuleType) -> str:
 def _is_number(value: object) -> bool:
     if isinstance(value, tuple):
         return bool(value) and type(value) is tuple and all(map(_is_number, value))
-    return type(value) in (int, float) and not math.isnan(value)  # type: ignore[arg-type]
+    return type(value) is float and not math.isnan(value)

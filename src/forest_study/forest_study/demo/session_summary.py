@@ -29,7 +29,8 @@ def bag_summary(bag: Bag, scheme: str, profile: OperatorProfile) -> dict[str, An
     `tip_error_mm` has the distances of the true tip from reference, drawn path and wish (`measures`), and
     `time_lost_s`; None in the joint scheme, where no tip motion is wished. `joy_to_valve_ms` is what the
     graph adds: the time from a joystick sample to the first voltage that answers a later state of the
-    machine. `lever_to_valve_ms` is what the hand feels (`lever_delay`).
+    machine. `lever_to_valve_ms` is what the hand feels (`lever_delay`). `valve_crossings` counts how often a
+    spool goes over its overlap.
     """
     counts = {name: _topic_summary(info) for name, info in sorted(bag.topics.items())}
     return {
@@ -137,7 +138,6 @@ def table(summary: dict[str, Any]) -> str:
             "-" if delay is None else f"{delay['p50']:.1f} ms median, {delay['p99']:.1f} ms p99",
         ),
         *lever_delay.rows(summary["lever_to_valve_ms"]),
-        ("valve crossings", ", ".join(f"{axis} {n}" for axis, n in summary["valve_crossings"].items())),
         ("pump work", f"{summary['pump_work']['kj_per_m']:g} kJ per metre of the tip"),
         ("memory", ", ".join(f"{name} {mb:.0f} MB" for name, mb in summary["peak_memory_mb"].items())),
     ]
