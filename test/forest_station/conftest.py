@@ -2,6 +2,7 @@
 
 import pytest
 from browser import launched
+from page_stand_in import ADDRESS, WEB
 from playwright.sync_api import sync_playwright
 
 
@@ -17,3 +18,19 @@ def browser(playwright):
     """A headless Chromium."""
     with launched(playwright) as running:
         yield running
+
+
+@pytest.fixture(scope="module")
+def js(browser):
+    """Calls an arrow function with a module of the page, and with an argument."""
+    page = browser.new_page()
+    page.route(
+        f"{ADDRESS}/web/**",
+        lambda route: route.fulfill(path=WEB.parent / route.request.url[len(ADDRESS) + 1 :]),
+    )
+    page.route(ADDRESS + "/", lambda route: route.fulfill(body="", content_type="text/html"))
+    page.goto(ADDRESS + "/")
+    yield lambda module, function, argument=None: page.evaluate(
+        f"async (argument) => ({function})(await import('/web/{module}'), argument)", argument
+    )
+    page.close()

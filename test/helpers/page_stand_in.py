@@ -7,6 +7,7 @@ the server makes of it, and when, is tested with the server.
 import importlib.resources
 import json
 import struct
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -18,6 +19,7 @@ WEB = Path(str(importlib.resources.files("forest_station") / "web"))
 ADDRESS = "http://station.test"
 POLICY = {"Content-Security-Policy": "default-src 'self'; connect-src 'self' ws://station.test"}
 YOU = "operator 1"
+Js = Callable[..., Any]  # a module of the page, an arrow function of it and of an argument; gives its value
 
 
 class PageStandIn:

@@ -1,9 +1,9 @@
 """The crane for viewers: every joint on viewer/joint_states, /tf, and markers on viewer/markers.
 
 The joints of cylinders and head are computed, since nobody measures them. With a simulator the head
-sways as it does there; without, it is drawn as it would hang still. /tf and /tf_static are published
-where tf2_msgs is installed: from a ROS installation, not from wheels. The walls are those that the
-controller keeps. Nothing here commands anything.
+sways and the links bend as they do there; without, the head hangs still and the links are rigid.
+/tf and /tf_static are published where tf2_msgs is installed: from a ROS installation, not from
+wheels. The walls are those that the controller keeps. Nothing here commands anything.
 """
 
 import sys
@@ -26,12 +26,11 @@ from forest_msgs_py.runtime.node_parameters import declare
 from forest_msgs_py.runtime.parameter_table import MachineParameter
 from forest_msgs_py.runtime.polled_subscription import polled_subscription
 from forest_msgs_py.serialization.transforms import pack_transforms
-from forest_msgs_py.serialization.unpacking import JointReader
 from forest_viewers.crane.arrivals import decoded_arrivals
 from forest_viewers.crane.frames import fixed_frames, moving_frames, urdf_joints
 from forest_viewers.crane.shapes import scene_shapes, trail_shapes
 from forest_viewers.crane.trail import Trail, with_command, with_tip
-from forest_viewers.crane.whole_crane import joint_names, joint_positions
+from forest_viewers.crane.whole_crane import WholeCrane
 
 TURN, TRAIL, SCENE = 0.02, 0.1, 1.0  # [s] between two poses, two trails, two pictures of what stands still
 
@@ -42,17 +41,16 @@ class ViewerNode(Node):
     def __init__(self) -> None:
         super().__init__("viewer")
         self._machine = load_machine(declare(self, MachineParameter).machine)
-        self._names, self._workspace, self._trail = joint_names(self._machine), OPEN, Trail()
+        self._crane, self._workspace, self._trail = WholeCrane(self._machine), OPEN, Trail()
         self._frames = urdf_joints(robot_description(self._machine))
         self._joints = polled_subscription(self, topics.JOINT_STATES)
         self._head = polled_subscription(self, topics.GROUND_TRUTH_HEAD)
+        self._deflections = polled_subscription(self, topics.GROUND_TRUTH_DEFLECTIONS)
         self._tip = polled_subscription(self, topics.TIP_POSE)
         self._command = polled_subscription(self, topics.TIP_TWIST_COMMAND)
-        self._read_joints, self._read_head = JointReader(topics.JOINTS), JointReader(topics.HEAD_JOINTS)
-        self._head_joints: tuple[float, float] | None = None
-        row = topics.VIEWER_JOINT_STATES._replace(labels=self._names)
+        row = topics.VIEWER_JOINT_STATES._replace(labels=self._crane.names)
         self._all_joints = number_publisher(LiveClock(self), row)
-        self._missing = (float("nan"),) * (2 * len(self._names))  # speeds and efforts
+        self._missing = (float("nan"),) * (2 * len(self._crane.names))  # speeds and efforts
         self._markers = publisher(self, topics.VIEWER_MARKERS)
         self._publish_frames = None
         if is_installed(topics.TF.type):
@@ -68,16 +66,16 @@ class ViewerNode(Node):
 
     def _turn(self) -> None:
         """Publish the newest pose; remember where the tip is and was told to be."""
-        head = self._head.newest()
-        if head is not None and not (told := self._read_head.read(head.message)).problem:
-            self._head_joints = told.values.position
+        if (head := self._head.newest()) is not None:
+            self._crane.hear_head(head.message)
+        if (bent := self._deflections.newest()) is not None:
+            self._crane.hear_deflections(bent.message)
         arrival = self._joints.newest()
-        if arrival is not None and not (told := self._read_joints.read(arrival.message)).problem:
-            positions = joint_positions(told.values.position, self._head_joints, self._machine)
-            self._all_joints.publish(told.stamp_ns, (*positions, *self._missing))
+        if arrival is not None and (pose := self._crane.pose(arrival.message)) is not None:
+            self._all_joints.publish(pose.stamp_ns, (*pose.positions, *self._missing))
             if self._publish_frames is not None:
-                frames = moving_frames(self._frames, dict(zip(self._names, positions, strict=True)))
-                self._publish_frames(pack_transforms(told.stamp_ns, frames))
+                positions = dict(zip(self._crane.names, pose.positions, strict=True))
+                self._publish_frames(pack_transforms(pose.stamp_ns, moving_frames(self._frames, positions)))
         for time, pose in decoded_arrivals(self._tip, topics.TIP_POSE):
             place = pose.pose.position
             self._trail = with_tip(self._trail, time, (place.x, place.y, place.z))

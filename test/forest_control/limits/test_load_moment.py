@@ -8,9 +8,18 @@ import pytest
 
 from forest_control.config import controller_settings
 from forest_control.limits import load_moment
-from forest_control.limits.load_moment import Loading, allowed_load, allowed_speed, loading, unloaded
+from forest_control.limits.load_moment import (
+    Loading,
+    allowed_load,
+    allowed_speed,
+    believed_mass,
+    loading,
+    unloaded,
+)
 from forest_control.limits.velocity_scaling import Limit
 from forest_control.operator.levers import Levers, levers_for_tip_velocity
+from forest_control.pipeline.control_state import REST
+from forest_control.pipeline.controller import counted_angles
 from forest_control.servo.schemes import Scheme
 from forest_control.valve import valve_driver_parameters
 from forest_description.derived.limits import pose_at
@@ -171,3 +180,25 @@ def test_what_is_not_weighed_counts_as_all_that_is_allowed():
     assert allowed_speed(told) == pytest.approx(told.reach)
     assert allowed_speed(told._replace(share=1.3)) == 0.0
     assert unloaded(TIP, ZERO, told._replace(share=1.3), keeps_path=False)[0] == ZERO
+
+
+def test_a_mass_that_no_crane_can_carry_is_not_believed():
+    machine = load_machine("c180")
+    p = controller_settings.parameters(machine, controller_settings.Settings())
+    head, allowed = 700.0, 1150.0  # [kg] of the file; the latter from 6 m on
+    q = pose_at((7.5, 0.0, 0.0), machine)
+
+    def believed(mass, chart=p.capacity):
+        return believed_mass(mass, head, q, p.links, chart)
+
+    assert believed(5000.0) == 1.25 * allowed
+    assert [believed(mass) for mass in (-700.0, 0.0, allowed)] == [-700.0, 0.0, allowed]
+    assert believed(-2000.0) == -700.0
+    assert math.isnan(believed(math.nan))
+    assert believed(5000.0, load_moment.NO_CAPACITY) == 5000.0
+
+    def tip(mass):
+        state = REST._replace(weighing=REST.weighing._replace(mass=mass))
+        return tip_position(counted_angles(q, state, p), p.links)
+
+    assert math.dist(tip(0.0), tip(5000.0)) < 0.05  # 0.13 m if it were

@@ -205,10 +205,14 @@ def test_trees_stand_out_of_reach_and_the_bunk_within(machine):
 
 
 @EVERY
-def test_a_scene_is_json_and_the_recorded_description_gives_the_same(machine):
+def test_a_scene_is_json_and_the_recorded_description_gives_the_same_but_for_the_load_chart(machine):
     scene = scene_of(machine)
     assert json.loads(json.dumps(scene, allow_nan=False)) == scene
-    assert scene_from_urdf(robot_description(machine)) == scene
+    assert scene_from_urdf(robot_description(machine)) == scene | {"capacity": []}
+    chart = machine.capacity
+    assert scene["capacity"] == (
+        [list(point) for point in zip(chart.reach, chart.load, strict=True)] if chart else []
+    )
 
 
 ALONE = "<robot><link name='base_link'/></robot>"

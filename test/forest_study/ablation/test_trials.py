@@ -41,6 +41,12 @@ def test_only_a_valve_that_moves_when_it_should_be_quiet_cycles(until, cycles):
     assert rest(trajectory(volts, 0.0)).cycles == cycles
 
 
+def test_the_dither_of_a_valve_that_feeds_is_no_cycle():
+    volts = 1.0 + 0.1 * np.sin(2.0 * np.pi * 50.0 * TIME)
+    assert activity(trajectory(volts, 0.0).voltages) > 10.0
+    assert not rest(trajectory(volts, 0.0)).cycles
+
+
 def test_the_error_at_rest_is_a_mean_over_half_a_second():
     rocking = 0.003 + 0.01 * np.sin(2.0 * np.pi * 8.0 * TIME)
     tip = np.where(QUIET - 1.0 < TIME, rocking, 0.0)
@@ -128,4 +134,4 @@ def test_a_change_acts_in_a_process_of_its_own():
 def test_a_name_that_no_constant_has_is_told(tmp_path, capsys):
     given = ["--constants", "servo", "--only", "NOWHERE", "--out", str(tmp_path / "out")]
     assert main(["ablation", *given]) == 1
-    assert "no constant or mechanism of these has 'NOWHERE' in its name" in capsys.readouterr().err
+    assert "no constant of these has NOWHERE in its name" in capsys.readouterr().err

@@ -247,7 +247,7 @@ GROUND_TRUTH_LOAD = Topic(
 GROUND_TRUTH_DEFLECTIONS = Topic(
     name="ground_truth/deflections", type=FLOAT_ARRAY, labels=JOINTS, units=("rad",) * 3, rate_hz=_RATE,
     doc="By how much simulated links are ahead of their joints; only where the machine file lets them bend.",
-    publishers=("simulator with elastic links",), subscribers=_NOBODY,
+    publishers=("simulator with elastic links",), subscribers=("viewer",),
 )
 GROUND_TRUTH_PUMP = Topic(
     name="ground_truth/pump", type=FLOAT_ARRAY, labels=("displacement", "speed"), units=("1", "rad/s"),
@@ -272,7 +272,8 @@ VIEWER_JOINT_STATES = Topic(
     name="viewer/joint_states", type=JOINT_STATE, labels=(*JOINTS, *CYLINDER_JOINTS, *HEAD_JOINTS),
     units=(*("rad, rad/s, N·m",) * 4, "m, m/s, N", "rad, rad/s, N·m", "m, m/s, N", *("rad, rad/s, N·m",) * 2),
     rate_hz=50.0,
-    doc="Position of every joint of the URDF: joint_states, and cylinders and head computed from them.",
+    doc="Position of every joint of the URDF: joint_states, with the bending of simulated links; cylinders "
+    "and head computed from them.",
     publishers=(_VIEWER,), subscribers=("foxglove",),
 )
 VIEWER_MARKERS = Topic(

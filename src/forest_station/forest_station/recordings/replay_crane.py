@@ -16,7 +16,7 @@ from forest_description.types import AXES
 from forest_description.urdf.robot_description import robot_description
 from forest_station.scene.crane_signals import CRANE_JOINTS, crane_signals, signal_of
 from forest_station.scene.elements import Scene
-from forest_station.scene.scene_description import scene_from_urdf
+from forest_station.scene.scene_description import scene_from_urdf, scene_of
 
 NO_CRANE = (ValueError, LookupError, ArithmeticError, TypeError)  # what is raised over a text of anybody's
 
@@ -51,9 +51,10 @@ def recorded_crane(urdf: str, own: Machine) -> RecordedCrane:
     """
     if not urdf or urdf == robot_description(own):
         return RecordedCrane(own)
+    for machine in map(load_machine, shipped_machines()):
+        if robot_description(machine) == urdf:
+            return RecordedCrane(machine, scene_of(machine))
     try:
-        scene = scene_from_urdf(urdf)
+        return RecordedCrane(scene=scene_from_urdf(urdf))
     except NO_CRANE as error:
         return RecordedCrane(own, note=f"the recorded crane cannot be drawn: {error}")
-    machines = map(load_machine, shipped_machines())
-    return RecordedCrane(next((one for one in machines if robot_description(one) == urdf), None), scene)

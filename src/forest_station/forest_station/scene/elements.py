@@ -24,7 +24,10 @@ class Mimic(TypedDict):
 
 
 class Joint(TypedDict):
-    """A joint of the tree: ``signal`` tells its position, ``limit`` is (lower, upper)."""
+    """A joint of the tree: ``signal`` tells its position, ``limit`` is (lower, upper).
+
+    ``deflection`` tells by how much a link that bends is ahead of its joint.
+    """
 
     name: str
     type: str
@@ -36,6 +39,7 @@ class Joint(TypedDict):
     limit: list[float] | None
     mimic: Mimic | None
     signal: str | None
+    deflection: str | None
 
 
 class HosePoint(TypedDict):
@@ -120,4 +124,5 @@ class Scene(TypedDict):
     walls: list[DrawnWall]
     slow_zone: float
     work_area: WorkArea
+    capacity: list[list[float]]
     surroundings: list[Thing]

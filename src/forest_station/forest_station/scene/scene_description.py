@@ -18,7 +18,10 @@ TIP_SPEED = 0.5
 
 def scene_of(machine: Machine, workspace: Workspace = OPEN, tip_speed: float = TIP_SPEED) -> Scene:
     """Return the scene of a machine; arguments as `scene_from_urdf`."""
-    return scene_from_urdf(robot_description(machine), workspace, tip_speed)
+    scene = scene_from_urdf(robot_description(machine), workspace, tip_speed)
+    if (chart := machine.capacity) is not None:
+        scene["capacity"] = [list(point) for point in zip(chart.reach, chart.load, strict=True)]
+    return scene
 
 
 def scene_from_urdf(text: str, workspace: Workspace = OPEN, tip_speed: float = TIP_SPEED) -> Scene:
@@ -47,5 +50,6 @@ def scene_from_urdf(text: str, workspace: Workspace = OPEN, tip_speed: float = T
         walls=drawn_walls(workspace),
         slow_zone=tip_speed / workspace.approach,
         work_area=work_area(joints, ground),
+        capacity=[],
         surroundings=surroundings(reach, ground),
     )

@@ -6,7 +6,7 @@ from xml.etree import ElementTree
 
 import numpy as np
 
-from forest_description.types import Floats
+from forest_description.types import AXES, Floats
 from forest_msgs_py.interfaces import topics
 from forest_station.scene.elements import Joint, Mimic, Visual
 
@@ -110,6 +110,7 @@ def _joint(element: ElementTree.Element) -> Joint:
         limit=None if limit is None else [float(limit.get(end, "0")) for end in ("lower", "upper")],
         mimic=_mimic(element),
         signal=f"{source}/{name}.position" if kind in MOVING else None,
+        deflection=f"{topics.GROUND_TRUTH_DEFLECTIONS.name}/{name}" if name in AXES else None,
     )
 
 

@@ -41,7 +41,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="ROOM",
         help=f"instead of mechanisms, constants of these rooms and nodes: {', '.join((*ROOMS, *NODES))}",
     )
-    add("--only", default="", metavar="TEXT", help="whose name has it in it")
+    add("--only", nargs="+", default=[""], metavar="TEXT", help="whose name has one of these in it")
     add("--pushes", type=whole(1, 1000), default=20, metavar="N", help="of each overlap and tilt")
     add(
         "--overlap",
@@ -92,9 +92,9 @@ def _of_mechanisms(options: argparse.Namespace) -> tuple[list[str], dict[str, Fi
 def _of_constants(options: argparse.Namespace) -> tuple[list[str], dict[str, Figures | None]]:
     """Print and return the table of constants at half and at twice, and their figures."""
     values = numbers(tuple(options.constants), load_machine(options.machine))
-    values = {name: value for name, value in values.items() if options.only in name}
+    values = {name: value for name, value in values.items() if _named(name, options.only)}
     if not values:
-        raise StudyError(f"no constant of these has {options.only!r} in its name")
+        raise StudyError(f"no constant of these has {' or '.join(options.only)} in its name")
     changes: dict[str, Changes] = {NOTHING: {}}
     millionths = (1.0 + 1e-6 * k for k in range(1, CHANCES + 1))
     changes |= {f"chance {k}": {BYSTANDER: FILLING * one} for k, one in enumerate(millionths)}
@@ -145,9 +145,13 @@ def _conditions(options: argparse.Namespace) -> dict[str, Any]:
     return {name: getattr(options, name) for name in names}
 
 
-def _chosen(changes: dict[str, Changes], only: str) -> dict[str, Changes]:
-    """Return the changes whose name has a text in it, behind none."""
-    chosen = {name: change for name, change in changes.items() if only in name}
+def _named(name: str, texts: list[str]) -> bool:
+    return any(text in name for text in texts)
+
+
+def _chosen(changes: dict[str, Changes], only: list[str]) -> dict[str, Changes]:
+    """Return the changes whose name has one of some texts in it, behind none."""
+    chosen = {name: change for name, change in changes.items() if _named(name, only)}
     if not chosen:
-        raise StudyError(f"no constant or mechanism of these has {only!r} in its name")
+        raise StudyError(f"no mechanism has {' or '.join(only)} in its name")
     return {NOTHING: {}, **chosen}

@@ -4,6 +4,7 @@ import dataclasses
 from typing import NamedTuple
 
 import numpy as np
+from numpy.lib.stride_tricks import sliding_window_view
 
 from forest_control.operator.levers import REST, Levers, levers_for_tip_velocity
 from forest_description.components.valve_parameters import BackwardValve
@@ -20,6 +21,7 @@ from forest_study.tracking.tracking import noisy
 PUSHED, RELEASED, QUIET, END = 0.5, 1.5, 4.0, 7.5  # [s] of a session; from `QUIET` on it should be at rest
 FULL_SPEED = 0.5  # [m/s] of the tip at full deflection
 CYCLING = 0.5  # [V/s] mean variation of a voltage that counts as a limit cycle
+DITHERED = 4  # [periods] of the driver's dither, 50 Hz: what a valve is told beside it is their mean
 STREAM = 77  # of random numbers: apart from the sensors' noise
 
 
@@ -37,7 +39,7 @@ class Push(NamedTuple):
 class Rest(NamedTuple):
     """What was left of a push."""
 
-    variation: float  # [V/s] of the busiest valve from `QUIET` on
+    variation: float  # [V/s] of the busiest valve from `QUIET` on, without its dither
     error: float  # [m] of the tip, greatest mean over half a second from `QUIET` on
 
     @property
@@ -68,7 +70,8 @@ def rest(moved: Trajectory) -> Rest:
     error = moved.tip_error() - moved.tip_error()[round(PUSHED / PERIOD)]
     sums = np.cumsum(error[first:], axis=0)
     means = (sums[window:] - sums[:-window]) / window
-    return Rest(activity(moved.voltages[first:]), float(np.linalg.norm(means, axis=1).max()))
+    told = sliding_window_view(moved.voltages[first:], DITHERED, axis=0).mean(axis=-1)
+    return Rest(activity(told), float(np.linalg.norm(means, axis=1).max()))
 
 
 def misjudged(machine: Machine, share: float, axes: tuple[int, ...] = (0, 1, 2)) -> Machine:

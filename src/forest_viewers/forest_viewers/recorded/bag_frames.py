@@ -1,7 +1,7 @@
 """A bag written again, with every joint of the crane and its frames.
 
 Foxglove and Lichtblick move a robot by /tf alone, and a recorder without tf2_msgs has none. What is
-added follows from the bag: its URDF, its joint states, the sway of a hanging head if it is in there.
+added follows from the bag: its URDF, its joint states, and sway and bending if they are in there.
 """
 
 import shutil
@@ -22,9 +22,8 @@ from forest_msgs_py.interfaces.topics import Topic
 from forest_msgs_py.serialization.cdr import cdr_type
 from forest_msgs_py.serialization.packing import Packer
 from forest_msgs_py.serialization.transforms import pack_transforms
-from forest_msgs_py.serialization.unpacking import JointReader
 from forest_viewers.crane.frames import fixed_frames, moving_frames, urdf_joints
-from forest_viewers.crane.whole_crane import joint_names, joint_positions
+from forest_viewers.crane.whole_crane import WholeCrane
 
 ADDED = (topics.TF_STATIC, topics.TF, topics.VIEWER_JOINT_STATES)
 PERIOD_NS = 20_000_000  # between two poses
@@ -70,11 +69,9 @@ class _Crane:
     """What follows from the bag's messages, one after the other."""
 
     def __init__(self, urdf: str, machine: Machine) -> None:
-        self._joints, self._machine, self._names = urdf_joints(urdf), machine, joint_names(machine)
-        self._read_joints, self._read_head = JointReader(topics.JOINTS), JointReader(topics.HEAD_JOINTS)
-        self._packer = Packer(topics.VIEWER_JOINT_STATES._replace(labels=self._names))
-        self._missing = (float("nan"),) * (2 * len(self._names))  # speeds and efforts
-        self._head: tuple[float, float] | None = None
+        self._joints, self._crane = urdf_joints(urdf), WholeCrane(machine)
+        self._packer = Packer(topics.VIEWER_JOINT_STATES._replace(labels=self._crane.names))
+        self._missing = (float("nan"),) * (2 * len(self._crane.names))  # speeds and efforts
         self._next_ns, self._begun = 0, False
 
     def after(self, message: RawMessage) -> Iterator[tuple[Topic, bytes]]:
@@ -84,20 +81,20 @@ class _Crane:
             yield topics.TF_STATIC, pack_transforms(message.log_ns, fixed_frames(self._joints))
         row = topics.find(message.channel.topic)
         if row == topics.GROUND_TRUTH_HEAD:
-            head = self._read_head.read(message.data)
-            self._head = self._head if head.problem else head.values.position
+            self._crane.hear_head(message.data)
+        elif row == topics.GROUND_TRUTH_DEFLECTIONS:
+            self._crane.hear_deflections(message.data)
         if row != topics.JOINT_STATES or message.log_ns < self._next_ns:
             return
-        told = self._read_joints.read(message.data)
-        if told.problem:
+        pose = self._crane.pose(message.data)
+        if pose is None:
             return
         self._next_ns = message.log_ns + PERIOD_NS
-        positions = joint_positions(told.values.position, self._head, self._machine)
-        data = self._packer.pack(told.stamp_ns, (*positions, *self._missing))
+        data = self._packer.pack(pose.stamp_ns, (*pose.positions, *self._missing))
         if data is not None:
             yield topics.VIEWER_JOINT_STATES, data
-        frames = moving_frames(self._joints, dict(zip(self._names, positions, strict=True)))
-        yield topics.TF, pack_transforms(told.stamp_ns, frames)
+        frames = moving_frames(self._joints, dict(zip(self._crane.names, pose.positions, strict=True)))
+        yield topics.TF, pack_transforms(pose.stamp_ns, frames)
 
 
 def _write(writer: BagWriter, topic: str, beside: RawMessage, data: bytes) -> None:

@@ -16,6 +16,7 @@ const REMEDIES = [
   [/nothing new for longer than joy_timeout/, "Look at the joystick and its link. Centre the sticks, then press the deadman anew."],
   [/held still to the last bit/, "The joystick may hang: let go, centre the sticks, press the deadman anew; else unplug it."],
   [/^joy/, "Look at the joystick's driver: it sends what /joy does not allow."],
+  [/goes by itself/, "Shut off the hydraulics: a spool sticks or a pipe is torn."],
   [/^machine file/, "Stand clear. Start the graph anew with this crane's machine file; look at valves and sensors."],
   [/^overload/, "Stand clear. Centre the sticks, then put the load down, or draw it in."],
   [/^load:/, "Draw the load in, or put it down: then there is room again."],

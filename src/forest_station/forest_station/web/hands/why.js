@@ -3,7 +3,7 @@
 // By code of `limit` on controller/status: docs/reference/codes.md.
 const LIMITS = [
   "", "a joint's greatest speed", "the end of a joint", "a singular pose", "the flow of the pumps", "a wall", "",
-  "the load: inward, down and sideways are free", "",
+  "the load: inward, down and sideways are free", "an overload: centre the sticks, then put the load down", "the joystick's late link",
 ];
 
 export function driverText(seat) {

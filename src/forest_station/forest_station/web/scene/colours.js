@@ -31,4 +31,5 @@ export const COLOURS = {
   trunk: 0x2c241d,
   exercise: 0xffe14d,
   taught: 0xf77fbe,
+  rigid: 0xb9c7d1,
 };

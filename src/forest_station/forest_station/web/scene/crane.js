@@ -2,10 +2,11 @@
 
 import { Group, Matrix4, Mesh, MeshBasicMaterial, MeshLambertMaterial, Quaternion, Vector3 } from "../vendor/three.js";
 import { COLOURS } from "./colours.js";
+import { Log, isLog } from "./log.js";
 import { merged } from "./merge.js";
 import { parts } from "./shapes.js";
 
-const BASE = "base_link";
+const [BASE, HEAD] = ["base_link", "head"];
 const GLOW = 0.75; // share of the alarm's colour in a part that glows
 
 // Draws a scene's links. `plain`: one material for everything, for a shadow or a ghost.
@@ -14,18 +15,23 @@ export class Crane {
     this.root = new Group();
     this.links = new Map([[BASE, this.root]]);
     this.joints = scene.joints.map((joint) => this.#hang(joint));
-    this.materials = new Map(); // link → its material
+    this.materials = new Map(); // link, or the log → its material
     for (const [name, visuals] of Object.entries(scene.links)) {
-      if (visuals.length > 0) this.#draw(name, visuals, plain);
+      if (name === HEAD) this.log = new Log(visuals, this.#material("log", plain));
+      const steel = name === HEAD ? visuals.filter((visual) => !isLog(visual)) : visuals;
+      if (steel.length > 0) this.#draw(name, steel, plain);
     }
+    if (this.log) this.links.get(HEAD).add(this.log.root);
   }
 
-  // Moves every joint; one that nobody tells follows its leader, or keeps its place.
-  pose(signals) {
+  // Moves every joint; one that nobody tells follows its leader, or keeps its place. `straight`: as if no link bent.
+  pose(signals, straight = false) {
     for (const joint of this.joints) {
       if (joint.signal) joint.position = this.#position(joint, signals);
-      move(joint);
+      const ahead = joint.deflection && !straight ? signals.value(joint.deflection) : 0;
+      move(joint, joint.position + (ahead || 0)); // rigid where nobody tells
     }
+    this.log?.pose(signals);
     this.root.updateMatrixWorld(true);
   }
 
@@ -70,9 +76,14 @@ export class Crane {
       const place = new Matrix4().compose(new Vector3(...visual.xyz), turned(visual.rpy), new Vector3(1, 1, 1));
       return parts(link, visual).map(([geometry, colour]) => [geometry.applyMatrix4(place), COLOURS[colour]]);
     });
-    const mesh = new Mesh(merged(drawn), plain ?? new MeshLambertMaterial({ vertexColors: true }));
-    if (!plain) this.materials.set(link, mesh.material);
-    this.links.get(link).add(mesh);
+    this.links.get(link).add(new Mesh(merged(drawn), this.#material(link, plain)));
+  }
+
+  #material(part, plain) {
+    if (plain) return plain;
+    const material = new MeshLambertMaterial({ vertexColors: true });
+    this.materials.set(part, material);
+    return material;
   }
 
   #position(joint, signals) {
@@ -93,8 +104,8 @@ export function plain(colour, opacity = 1) {
   return new MeshBasicMaterial({ color: colour, opacity, transparent: ghostly, depthWrite: !ghostly, ...behind });
 }
 
-function move(joint) {
-  const { group, along, position, fixed } = joint;
+function move(joint, position) {
+  const { group, along, fixed } = joint;
   group.position.set(...joint.xyz);
   group.quaternion.copy(fixed);
   if (joint.type === "prismatic") group.position.add(along.clone().applyQuaternion(fixed).multiplyScalar(position));

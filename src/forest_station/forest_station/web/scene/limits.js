@@ -5,11 +5,13 @@ import { AXES } from "./axes.js";
 const [RATE, JOINT, SINGULARITY, FLOW, WALL, RELEASED, LOAD, OVERLOAD, LATE] = [1, 2, 3, 4, 5, 6, 7, 8, 9];
 const CYLINDERS = { swing: ["platform"], boom: ["boom_barrel", "boom_rod"], stick: ["stick_barrel", "stick_rod"] };
 const LINKS = { swing: "platform", boom: "boom", stick: "stick" };
+const ASIDE = [0.8, 0, 0]; // [m] along a link, where its trouble is told
 
 export class Limits {
   constructor(crane, walls) {
     this.crane = crane;
     this.walls = walls;
+    this.trouble = ""; // why the controller stands still, in its words
   }
 
   // Lights what acts; returns its labels. `tip`: a Vector3.
@@ -17,6 +19,7 @@ export class Limits {
     const shown = { glowing: new Set(), wall: null, labels: [] };
     this.#limit(signals, tip, shown);
     this.#saturation(signals, shown);
+    this.#standing(shown);
     for (const link of this.crane.materials.keys()) this.crane.glow(link, shown.glowing.has(link));
     this.walls.light(shown.wall, tip);
     return shown.labels;
@@ -43,9 +46,13 @@ export class Limits {
     }
     if (limit === LOAD) {
       const share = signals.value("tip/load/share");
+      for (const part of [...CYLINDERS.boom, "log"]) shown.glowing.add(part); // the boom carries it, and weighs it
       say(Number.isFinite(share) ? `load: ${Math.round(100 * share)} % of what is allowed here` : "load: not weighed", tip);
     }
-    if (limit === OVERLOAD) say("overload: let go of the deadman, then put the load down", tip);
+    if (limit === OVERLOAD) {
+      shown.glowing.add("log");
+      say("overload: let go of the deadman, then put the load down", tip);
+    }
     if (limit === LATE) say("late link: slower", tip);
     if (limit === RELEASED) {
       const held = signals.value("joy/button_left_shoulder") === 1;
@@ -61,6 +68,15 @@ export class Limits {
       const at = this.crane.place(links[0] ?? LINKS[axis]);
       shown.labels.push({ key: `${axis}_saturated`, text: `${axis}: valve fully open`, at, kind: "limit" });
     }
+  }
+
+  // The joint that the controller's trouble is about: an overload, a runaway, a sensor.
+  #standing(shown) {
+    const axis = AXES.find((name) => new RegExp(`\\b${name}\\b`).test(this.trouble));
+    if (!axis) return;
+    shown.glowing.add(LINKS[axis]);
+    const text = this.trouble.split(";")[0];
+    shown.labels.push({ key: "trouble", text, at: this.crane.place(LINKS[axis], ASIDE), kind: "limit" });
   }
 
   #nearestToItsLimit() {

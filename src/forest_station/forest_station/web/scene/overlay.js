@@ -2,9 +2,9 @@
 
 import { VIEWS } from "./cameras.js";
 
-const LEGEND = [["wish", "commanded path"], ["tip", "tip, last 20 s"], ["area", "reach"], ["wall", "wall, slow zone"],
+const LEGEND = [["wish", "commanded path"], ["tip", "tip, last 20 s"], ["area", "reach"], ["wall", "wall, slow zone, the load's reach"],
   ["out", "oil to the actuator"], ["back", "oil back"], ["ghost", "ghost: the second bag"],
-  ["exercise", "your square"]];
+  ["exercise", "your square"], ["rigid", "as if no link bent"]];
 
 // Buttons, and the keys 1 to 4.
 export function viewButtons(cameras) {

@@ -1,7 +1,7 @@
 // A worker: draws the scene on its own thread. Where pixels are drawn by the processor a picture takes longer than
 // a heartbeat of the deadman; the page's own thread never waits for it.
 //
-// Hears: start, size, camera, scene, signals, frame, ghost, exercise, taught, visible. Says: drawn, failed.
+// Hears: start, size, camera, scene, signals, frame, ghost, exercise, taught, trouble, visible. Says: drawn, failed.
 
 import { ColorManagement, LinearSRGBColorSpace, PerspectiveCamera, Vector3, WebGLRenderer } from "../vendor/three.js";
 import { Picture } from "./picture.js";
@@ -11,7 +11,7 @@ import { Signals } from "./signals.js";
 ColorManagement.enabled = false; // colours as written: no power function for each pixel
 
 const state = {
-  renderer: null, picture: null, signals: new Signals(), ghost: null, exercise: null, taught: null, visible: true, waiting: false, failed: false,
+  renderer: null, picture: null, signals: new Signals(), ghost: null, exercise: null, taught: null, trouble: "", visible: true, waiting: false, failed: false,
 };
 const camera = new PerspectiveCamera(45, 1, 0.2, 300);
 const resolution = new Resolution();
@@ -39,6 +39,7 @@ const hear = {
     state.picture.showGhost(state.ghost);
     state.picture.exercise.show(state.exercise);
     state.picture.taught.show(state.taught);
+    state.picture.limits.trouble = state.trouble;
   },
   signals({ names }) {
     state.signals = new Signals(names);
@@ -59,6 +60,9 @@ const hear = {
   taught({ taught }) {
     state.taught = taught;
     state.picture.taught.show(taught);
+  },
+  trouble({ trouble }) {
+    state.trouble = state.picture.limits.trouble = trouble;
   },
   visible({ visible }) {
     state.visible = visible;

@@ -1,11 +1,13 @@
 // Everything that is drawn of one scene, and how it follows the signals.
 
 import { DirectionalLight, Fog, HemisphereLight, Scene, Vector3 } from "../vendor/three.js";
+import { Bending } from "./bending.js";
 import { COLOURS } from "./colours.js";
 import { Crane, plain } from "./crane.js";
 import { Exercise } from "./exercise.js";
 import { Hoses } from "./hoses.js";
 import { Limits } from "./limits.js";
+import { LoadLimit } from "./load_limit.js";
 import { Reach } from "./reach.js";
 import { Shadow } from "./shadow.js";
 import { Signals } from "./signals.js";
@@ -31,6 +33,8 @@ export class Picture {
     this.shadow = new Shadow(scene, LIGHT);
     this.walls = new Walls(scene.walls, scene.slow_zone);
     this.limits = new Limits(this.crane, this.walls);
+    this.bending = new Bending(this.crane);
+    this.loadLimit = new LoadLimit(scene);
     this.hoses = new Hoses(scene.hoses, this.crane);
     this.area = new WorkArea(scene.work_area, scene.ground);
     this.reach = new Reach(scene.ground);
@@ -39,7 +43,7 @@ export class Picture {
     this.exercise = new Exercise();
     this.taught = new Taught();
     this.ghost = null;
-    const moving = [this.crane, this.shadow, this.hoses, this.reach, this.trail, this.wish];
+    const moving = [this.crane, this.bending, this.loadLimit, this.shadow, this.hoses, this.reach, this.trail, this.wish];
     const parts = [...moving, this.walls, this.area, this.exercise, this.taught];
     this.root.add(...lights(), new Surroundings(scene, LIGHT).root, ...parts.map(({ root }) => root));
     this.pose(new Signals());
@@ -57,16 +61,17 @@ export class Picture {
     const seconds = Math.min(LONGEST_S, Math.max(0, signals.time - this.time || 0));
     this.time = signals.time;
     const known = this.crane.isKnown(signals); // where nobody tells a joint, no crane is better than a wrong one
-    for (const { root } of [this.crane, this.shadow, this.hoses, this.reach]) root.visible = known;
-    this.crane.pose(signals);
+    for (const { root } of [this.crane, this.bending, this.shadow, this.hoses, this.reach]) root.visible = known;
+    const bending = this.bending.pose(signals);
     this.shadow.pose(signals);
     this.hoses.pose(signals, seconds);
     this.area.pose(this.crane.position("swing"));
     this.trail.draw();
     const tip = this.tip();
     this.wish.pose(tip, signals.point(COMMAND));
-    const of_crane = known ? [...this.reach.pose(tip), ...sway(this.crane, signals)] : [];
-    const said = [...of_crane, ...this.exercise.labels(), ...this.taught.labels()];
+    const ofCrane = known ? [...this.reach.pose(tip), ...sway(this.crane, signals), ...bending] : [];
+    const ofLoad = this.loadLimit.pose(signals, this.crane.position("swing"));
+    const said = [...ofCrane, ...ofLoad, ...this.exercise.labels(), ...this.taught.labels()];
     return [...said, ...this.limits.pose(signals, tip)];
   }
 

@@ -1,6 +1,7 @@
 // The crane in three dimensions. The picture is drawn by a worker (painter.js); here are its canvas, the cameras, and
 // the text over it.
 
+import { standingCause } from "../hands/why.js";
 import { Cameras } from "./cameras.js";
 import { Labels } from "./labels.js";
 import { legend, viewButtons } from "./overlay.js";
@@ -48,6 +49,7 @@ class View {
     this.station.on("ghost", (detail) => this.#ghost(detail));
     this.station.on("exercise", (exercise) => this.#exercise(exercise));
     this.station.on("taught", (taught) => this.#say({ kind: "taught", taught }));
+    this.station.on("diagnostics", ({ parts }) => this.#trouble(this.station.live ? standingCause(parts, null, 0) : ""));
     this.station.on("parameters", ({ nodes }) => this.#settings(nodes.controller ?? {}));
     this.station.on("scene", (detail) => this.#change(detail ?? this.home));
     this.#signals();
@@ -63,6 +65,12 @@ class View {
     if (exercise && !("exercise" in this.element.dataset)) this.cameras.lookAt(exercise.corners, exercise.size);
     this.element.toggleAttribute("data-exercise", Boolean(exercise));
     this.#say({ kind: "exercise", exercise });
+  }
+
+  // What is told each second goes to the painter when it changes.
+  #trouble(trouble) {
+    if (trouble !== this.trouble) this.#say({ kind: "trouble", trouble });
+    this.trouble = trouble;
   }
 
   #say(message) {

@@ -14,7 +14,7 @@ export function parts(link, visual) {
   if (link.endsWith("_rod")) return rod(visual.size);
   if (link.endsWith("_barrel")) return barrel(visual.size);
   if (link === "platform") return column(visual.size);
-  return log(visual.size);
+  return [[tube(...visual.size), "cast"]];
 }
 
 function box([x, y, z]) {
@@ -108,7 +108,7 @@ function jaw(radius) {
   return geometry.translate(0, 0, -width / 2).rotateX(Math.PI / 2);
 }
 
-function log([radius, length]) {
+export function log([radius, length]) {
   const cut = () => tube(0.97 * radius, 0.01);
   return [
     [tube(radius, length), "bark"],
