@@ -98,7 +98,7 @@ def test_a_table_of_constants_is_sorted_by_effect_and_tells_it_in_words(tmp_path
     assert "| `servo.inching.FAR` | 0.0008 | none | none |" in table
     told = json.loads((out / "ablation.json").read_text())["without"]
     assert told["servo.inching.LOOK × 2"]["cycles, 1.1"] == 7.0
-    assert "failed" in capsys.readouterr().out
+    assert "| control fails |" in capsys.readouterr().out
 
 
 def test_what_chance_does_is_no_effect(tmp_path, monkeypatch):

@@ -1,6 +1,7 @@
 """`forest-study ablation`: control without each mechanism, or with each constant halved and doubled."""
 
 import argparse
+import itertools
 import math
 from typing import Any
 
@@ -96,27 +97,24 @@ def _of_constants(options: argparse.Namespace) -> tuple[list[str], dict[str, Fig
     if not values:
         raise StudyError(f"no constant of these has {' or '.join(options.only)} in its name")
     changes: dict[str, Changes] = {NOTHING: {}}
-    millionths = (1.0 + 1e-6 * k for k in range(1, CHANCES + 1))
-    changes |= {f"chance {k}": {BYSTANDER: FILLING * one} for k, one in enumerate(millionths)}
+    changes |= {f"chance {k}": {BYSTANDER: FILLING * (1.0 + 1e-6 * k)} for k in range(1, CHANCES + 1)}
     for name, value in values.items():
         changes |= {f"{name} × {factor:g}": {name: scaled(value, factor)} for factor in FACTORS}
-    found = dict[str, Figures | None]()
-    for name, row in zip(changes, _tried(options, changes, tuple(SCENES)), strict=True):
-        found[name] = row
-        print(name, "failed" if row is None else "", flush=True)
-    same = found[NOTHING]
+    rows = zip(changes, _tried(options, changes, tuple(SCENES)), strict=True)
+    found = dict(itertools.islice(rows, 1 + CHANCES))
+    same, by_chance = found[NOTHING], [row for row in found.values() if row is not None]
     if same is None:
         raise StudyError(f"control of {options.machine} fails without any change")
-    by_chance = [row for name, row in found.items() if row and name.startswith((NOTHING, "chance"))]
-    usual = effects.chance(by_chance)
-    rows = {name: [found[f"{name} × {factor:g}"] for factor in FACTORS] for name in values}
-    ranked = sorted(values, key=lambda name: -max(effects.effect(row, usual) for row in rows[name]))
-    lines = [effects.HEAD]
-    for name in ranked:
-        half, twice = (effects.told(row, usual, same) for row in rows[name])
-        lines.append(effects.line(name, values[name], half, twice))
-    print(*lines, sep="\n")
-    return lines, found
+    usual, lines = effects.chance(by_chance), dict[str, tuple[float, str]]()
+    print(effects.HEAD, flush=True)
+    for name, value in values.items():
+        both = dict(itertools.islice(rows, len(FACTORS)))
+        half, twice = (effects.told(row, usual, same) for row in both.values())
+        greatest = max(effects.effect(row, usual) for row in both.values())
+        lines[name], found = (greatest, effects.line(name, value, half, twice)), found | both
+        print(lines[name][1], flush=True)
+    ranked = sorted(lines.values(), key=lambda one: -one[0])
+    return [effects.HEAD, *(line for _, line in ranked)], found
 
 
 def _tried(options: argparse.Namespace, changes: dict[str, Changes], scenes: tuple[str, ...]) -> Any:
