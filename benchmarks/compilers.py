@@ -118,7 +118,7 @@ def by_numba(law: Law) -> Run:
 
     lines = ["def loop(state, inputs, p, dt, count):", "    for _ in range(count):"]
     names: dict[str, Any] = {"step": _jitted(law.step, {})}
-    exec("\n".join([*lines, f"        {law.call}", "    return state"]), names)
+    exec("\n".join([*lines, f"        {law.call}", "    return state"]), names)  # noqa: S102  our own text
     loop, pack = numba.njit(names["loop"]), flat_layout.packer(law.state)
     return lambda count: pack(loop(law.state, law.inputs, law.p, law.dt, count))
 

@@ -14,6 +14,7 @@ import numpy as np
 
 import work as benchmark
 from forest_compile import flat_layout, machine_code
+from forest_compile.entry import Entry
 from forest_compile.frontend import translate
 from forest_description.machine import load_machine
 from forest_sim.equations.plant_parameters import plant_parameters
@@ -53,13 +54,18 @@ def kernel_without(parts: Sequence[str]) -> machine_code.Kernel:
     """Return the kernel with the parameters of some components taken for granted."""
     if not parts:
         return plant_kernel.KERNEL.kernel()
+    entry, _ = entry_without(parts)
+    return machine_code.load(machine_code.optimised(translate.llvm_ir(entry)), entry.arguments)
+
+
+def entry_without(parts: Sequence[str]) -> tuple[Entry, str]:
+    """Return what the kernel without some components is made of, and the expression of its parameters."""
     entry = plant_kernel.entry()
     _, p = entry.tuples["p"]
     names = dict(entry.names)
     constant = _with_constants(p, "p", tuple(parts), names)
     head, *body = entry.text.splitlines()
-    entry = entry._replace(text="\n".join([head, f"    p = {constant}", *body]), names=names)
-    return machine_code.load(machine_code.optimised(translate.llvm_ir(entry)), entry.arguments)
+    return entry._replace(text="\n".join([head, f"    p = {constant}", *body]), names=names), constant
 
 
 def _with_constants(value: Any, path: str, parts: tuple[str, ...], names: dict[str, Any]) -> str:

@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Regenerates the seven lock files from pyproject.toml; arguments (such as --upgrade) go to `uv pip compile`.
+# Regenerates the nine lock files from pyproject.toml; arguments (such as --upgrade) go to `uv pip compile`.
 set -euo pipefail
 
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
@@ -64,3 +64,7 @@ TOOLS
 # as source only.
 compile --universal --python-version 3.10 --no-emit-package yattag "$@" --output-file requirements-mutate.lock - \
     <<<"cosmic-ray"
+
+# What scripts/supply.sh installs for itself, and what scripts/fuzz.sh does; Atheris begins with CPython 3.11.
+compile --universal --python-version 3.10 "$@" --output-file requirements-supply.lock - <<<$'cyclonedx-bom\npip-audit'
+compile --universal --python-version 3.11 "$@" --output-file requirements-fuzz.lock - <<<"atheris"

@@ -15,7 +15,7 @@ from typing import Any
 from unittest import mock
 
 from forest_description.export import machine_keys, machine_numbers
-from forest_msgs_py.interfaces import topic_reference
+from forest_msgs_py.interfaces import access_policy, topic_reference
 from forest_study import parameter_reference
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -119,6 +119,7 @@ def _cell(text: str) -> str:
 
 
 MADE: dict[str, Callable[[], str]] = {
+    "sros2-policies.xml": access_policy.policy,
     "topics.md": lambda: topic_reference.markdown() + "\n",
     "parameters.md": lambda: parameter_reference.page() + "\n",
     "machine.md": machine_numbers.document,

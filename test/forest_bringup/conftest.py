@@ -1,5 +1,5 @@
 """A listener on the valves, and the graph as a process."""
 
-from graph_fixtures import levers, lockstep_bag, own_domain, start_graph, valves
+from graph_fixtures import levers, lockstep_bag, start_graph, valves
 
-__all__ = ["levers", "lockstep_bag", "own_domain", "start_graph", "valves"]
+__all__ = ["levers", "lockstep_bag", "start_graph", "valves"]

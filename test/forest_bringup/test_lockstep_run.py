@@ -3,33 +3,22 @@
 import os
 import re
 import signal
-import subprocess
-import sys
 
 import numpy as np
 import pytest
 from graph_processes import kill, nodes_of
-from lockstep_sessions import LEVERS, LOCKSTEP_STEPS, lockstep_session
+from lockstep_sessions import LEVERS, LOCKSTEP_STEPS, lockstep_session, run_in_lockstep
 from mcap.reader import make_reader
 
 pytest.importorskip("rclpy")
 
+from forest_bag.cli.main import main as forest_bag
 from forest_bag.read.timeseries import read_bag
-from forest_bringup import lockstep_run
 from forest_control.operator.joystick_sources import LEAD_IN, read_levers
 from forest_control.operator.levers import REST, levers_from_axes
 from forest_msgs_py.interfaces import topics
 
 STEP_NS = 5_000_000
-
-
-def compare(a, b):
-    return subprocess.run(
-        [sys.executable, "-m", "forest_bag.cli.main", "compare", str(a), str(b)],
-        capture_output=True,
-        text=True,
-        check=False,
-    )
 
 
 def test_every_message_of_step_k_is_stamped_k_dt_and_logged_then(lockstep_bag):
@@ -50,15 +39,13 @@ def test_every_message_of_step_k_is_stamped_k_dt_and_logged_then(lockstep_bag):
 
 
 def test_the_joystick_replayed_beside_programs_that_take_every_core_gives_the_run_again_to_the_last_bit(
-    lockstep_bag, tmp_path, own_domain, start_process
+    lockstep_bag, tmp_path, domain_id, start_process, capsys
 ):
     busy = [start_process(["-c", "while True: pass"]) for _ in range(os.cpu_count() or 1)]
-    nodes = lockstep_session(tmp_path, lockstep_bag)
-    lockstep_run.run(nodes, LOCKSTEP_STEPS, tmp_path / "log", guard=60.0)
+    run_in_lockstep(lockstep_session(tmp_path, lockstep_bag), LOCKSTEP_STEPS, tmp_path, domain_id)
     for process in busy:
         process.kill_group()
-    done = compare(lockstep_bag, tmp_path / "bag")
-    assert done.returncode == 0, done.stdout + done.stderr
+    assert forest_bag(["compare", str(lockstep_bag), str(tmp_path / "bag")]) == 0, capsys.readouterr()
 
 
 def test_what_is_attached_carries_the_run_s_time_and_not_the_computer_s(lockstep_bag):

@@ -103,10 +103,7 @@ def rig(peer, start_node):
 
 REFUSED = {
     "tip_speed:=-3.0": "parameter 'tip_speed' is -3.0; allowed: 0.01 .. 3 m/s",
-    "scheme:=telepathy": "'telepathy'; allowed: one of joint, ik_velocity, ik_position",
-    "position_source:=stars": "'stars'; allowed: one of joints, cylinders",
     "profile:=nobody": "profile 'nobody': neither shipped (default, exact, fine, operator)",
-    "position_gain:=[1.0,2.0]": "parameter 'position_gain' is [1.0, 2.0]; allowed: 3 numbers",
 }
 
 

@@ -1,9 +1,7 @@
 """Claims about a device's joystick as a process: driven, unplugged, plugged in again, hung, stopped."""
 
 import os
-from pathlib import Path
 
-import input_events
 import pytest
 from input_events import held_file, stream
 
@@ -12,8 +10,6 @@ pytest.importorskip("rclpy")
 from forest_control.operator.levers import LEFT_SHOULDER, LEFT_X
 from forest_msgs_py.interfaces import topics
 from forest_msgs_py.interfaces.messages import read_joy, stamp_to_ns
-
-NODE = Path(input_events.__file__).with_name("piped_joystick_node.py")
 
 
 class Cable:
@@ -47,7 +43,7 @@ def cable(tmp_path):
 
 
 def start(start_process, cable, *arguments):
-    return start_process([str(NODE), str(cable.path), *arguments])
+    return start_process(["-m", "piped_joystick_node", str(cable.path), *arguments])
 
 
 def swing(message):

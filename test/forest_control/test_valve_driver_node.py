@@ -94,7 +94,6 @@ def rig(peer, start_node):
 
 REFUSED = {
     "hold_zone:=1.5": "parameter 'hold_zone' is 1.5; allowed: 0 .. 1 V",
-    "compensate:=3": "parameter 'compensate' is 3; allowed: true or false",
     "machine:=c181": "c181",
 }
 

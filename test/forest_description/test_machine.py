@@ -5,6 +5,7 @@ import math
 
 import pytest
 
+from forest_description.components.end_stops import EndStops
 from forest_description.components.pump import IdealPump, PressureCompensatedPump
 from forest_description.components.sensors import (
     CaseDrain,
@@ -25,7 +26,7 @@ from forest_description.config.schema import parameters
 from forest_description.config.source_tree import shipped_machines
 from forest_description.config.units import UNITS
 from forest_description.export.machine_numbers import declared
-from forest_description.machine import EndStops, Machine, load_machine, sources
+from forest_description.machine import Machine, load_machine, sources
 
 GALLON_PER_MINUTE, RPM = UNITS["gal/min"].factor, UNITS["rpm"].factor
 MACHINE, THESIS = load_machine("c180_hoses"), load_machine("c180_thesis")

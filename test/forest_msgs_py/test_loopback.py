@@ -121,7 +121,7 @@ def test_a_stranger_gets_in_only_without_the_profile(closed, cable, domain_id, s
 
 @pytest.mark.parametrize("discovery", ["LOCALHOST", None])
 def test_a_plain_program_on_this_machine_hears_the_joints(discovery, domain_id, start_process):
-    talker = start_process([str(HELPERS / "talker.py")])
+    talker = start_process(["-m", "talker"])
     plain = {**os.environ}
     plain.pop("FASTRTPS_DEFAULT_PROFILES_FILE")
     plain.pop("ROS_AUTOMATIC_DISCOVERY_RANGE")

@@ -162,7 +162,7 @@ def test_a_square_that_is_marked_is_looked_at(desktop: Picture) -> None:
 
 def test_a_square_that_was_driven_stays_until_it_is_taken_away(desktop: Picture) -> None:
     page, (x, y, z) = desktop.page, start_tip(C180)
-    waits = "text=Side 1 of 4 waits: with the sticks at rest, hold the left Shift key."
+    waits = "text=Edge 1 of 4 waits: with the sticks at rest, hold the left Shift key."
     page.wait_for_selector(waits)  # of the square that was marked before
     side, angles = 0.8, pose_at((x, y, z), C180)
     corners = ((0.0, 0.0), (side, 0.0), (side, side), (0.0, side), (0.0, 0.0))
@@ -176,6 +176,17 @@ def test_a_square_that_was_driven_stays_until_it_is_taken_away(desktop: Picture)
     assert page.get_by_role("button", name="Mark a square").is_visible()
     assert not page.get_by_role("button", name="Take the square away").is_visible()
     desktop.met.send_frame(9, 1.0, [x, y, z, *angles])
+
+
+def test_the_drawing_is_stopped_and_goes_on_by_a_click_on_its_figure(desktop: Picture) -> None:
+    page = desktop.page
+    page.click(".rate")
+    page.wait_for_selector("text=The drawing is stopped: click to draw.")
+    desktop.met.send_frame(10, 1.1, [*start_tip(C180), *pose_at(start_tip(C180), C180)])
+    page.wait_for_timeout(300)
+    assert desktop.places() == []
+    page.click(".rate")
+    desktop.wait(lambda places: len(places) == 2)
 
 
 def test_one_finger_turns_the_picture_and_back(phone: Picture) -> None:

@@ -103,6 +103,27 @@ def test_a_page_hung_after_a_gap_of_a_tenth_of_a_second(js: Js) -> None:
     ]
 
 
+def test_a_page_that_hangs_often_says_what_is_to_be_done_about_the_computer(js: Js) -> None:
+    steps = """(m) => {
+      const hangs = new m.Hangs();
+      return [0, 1000, 61_500, 61_600, 61_700].map((now) => hangs.told(250, now));
+    }"""
+    told = js("hands/deadman.js", steps)
+    assert set(told[:4]) == {"the page hung for 0.3 s, longer than 0.1 s"}
+    assert "stop the drawing" in told[4]
+
+
+def test_without_a_connection_the_page_says_where_to_look(js: Js) -> None:
+    why = """(m) => {
+      const told = (lost) => m.whyText(null, { lost }, false, {});
+      return [told(""), told(m.lostText("")), told(m.lostText("The station ends."))];
+    }"""
+    first, lost, ended = js("hands/why.js", why)
+    assert "does scripts/station.sh run?" in first
+    assert lost.startswith("The crane stands still until the page is connected again.")
+    assert ended == "The station ends. Its terminal says why. Start scripts/station.sh anew."
+
+
 def test_a_standard_gamepad_means_what_game_controller_means(js: Js) -> None:
     buttons = "Array.from({length: 17}, (_, i) => ({pressed: i === 4, value: i === 7}))"
     device = f"{{axes: [0.5, -1, 1, 0.5], buttons: {buttons}}}"
@@ -321,10 +342,34 @@ def test_every_message_of_our_nodes_has_something_to_do(js: Js, text: str) -> No
 
 def test_troubles_are_told_the_worst_first_and_what_is_well_is_not(js: Js) -> None:
     parts = [
-        {"name": "b", "level": "warning", "text": ""},
-        {"name": "c", "level": "ok", "text": ""},
-        {"name": "a", "level": "warning", "text": ""},
-        {"name": "d", "level": "error", "text": ""},
+        {"name": "b", "level": "warning", "text": "waits"},
+        {"name": "c", "level": "ok", "text": "well"},
+        {"name": "a", "level": "warning", "text": "clips"},
+        {"name": "d", "level": "error", "text": "stopped"},
+        {"name": "e", "level": "error", "text": "stopped"},
     ]
     found = js("diagnostics/remedies.js", "(m, parts) => m.troubles(parts)", parts)
-    assert [part["name"] for part in found] == ["d", "a", "b"]
+    assert [part["name"] for part in found] == ["d, e", "a", "b"]  # what two say is told once
+
+
+@pytest.mark.parametrize(
+    ("told", "said"),
+    [
+        ((True, "The recorder starts."), "mine: 00:00:05, 2 kB. The recorder starts."),
+        ((True, "0:00:31.7, 3.46 MB, lost 0"), "mine: 0:00:31.7, 3.46 MB, lost 0"),
+        ((False, "Nothing is recorded."), "Nothing is recorded."),
+        (
+            (False, "recorded 9000 messages, 30 topics, lost 9, 9 of /joy: mine"),
+            "recorded 9000 messages, 30 topics, lost 9: mine",
+        ),
+        (
+            (False, "recorded 900 messages, 30 topics, lost 9, 5 of /joy, 4 of /a/b: mine"),
+            "recorded 900 messages, 30 topics, lost 9: mine. Too many are lost for figures.",
+        ),
+    ],
+)
+def test_a_recordings_losses_are_told_once_with_what_they_mean(
+    js: Js, told: tuple[bool, str], said: str
+) -> None:
+    state = {"active": told[0], "name": "mine", "seconds": 5, "bytes": 2000, "text": told[1]}
+    assert js("panels/recording.js", "(m, state) => m.stateText(state)", state) == said

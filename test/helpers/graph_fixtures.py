@@ -4,10 +4,9 @@ import math
 import time
 
 import pytest
-from lockstep_sessions import LEVERS, LOCKSTEP_STEPS, lockstep_session
+from lockstep_sessions import LEVERS, LOCKSTEP_STEPS, lockstep_session, run_in_lockstep
 from rclpy.executors import SingleThreadedExecutor
 
-from forest_bringup import lockstep_run
 from forest_msgs_py.interfaces import topics
 from forest_msgs_py.interfaces.messages import read_float_array
 from forest_msgs_py.runtime.node import subscription
@@ -55,12 +54,6 @@ def start_graph(start_process, domain_id):
     return lambda *options: start_process(["-m", "forest_bringup.graph", *options])
 
 
-@pytest.fixture
-def own_domain(monkeypatch, session_domain_id):
-    """What is started in this process, or by it, is in the session's domain."""
-    monkeypatch.setenv("ROS_DOMAIN_ID", str(session_domain_id))
-
-
 @pytest.fixture(scope="session")
 def levers(tmp_path_factory):
     """A lever file of a second."""
@@ -73,8 +66,5 @@ def levers(tmp_path_factory):
 def lockstep_bag(tmp_path_factory, session_domain_id, levers):
     """A run in lockstep, on a computer that does nothing else."""
     out = tmp_path_factory.mktemp("run")
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setenv("ROS_DOMAIN_ID", str(session_domain_id))
-        running = lockstep_run.run(lockstep_session(out, levers), LOCKSTEP_STEPS, out / "log")
-    assert set(running.exit_codes.values()) == {0}
+    run_in_lockstep(lockstep_session(out, levers), LOCKSTEP_STEPS, out, session_domain_id)
     return out / "bag"

@@ -10,7 +10,9 @@ from input_events import fifo_listing
 from forest_control import joystick_node
 from forest_control.operator.input_devices import InputDevices
 
-if __name__ == "__main__":
+
+def main() -> None:
+    """Run the node."""
     listing = fifo_listing(Path(sys.argv.pop(1)))
     with mock.patch.object(joystick_node, "InputDevices", partial(InputDevices, listing=listing)):
         joystick_node.main()

@@ -38,7 +38,7 @@ IMPORTED = (
     *("forest_study.demo.demo", "forest_study.cli", "forest_study.experiments.forest_ident_main"),
 )
 SERVER = multiprocessing.get_context("forkserver")
-SERVER.set_forkserver_preload([*IMPORTED, "warm"])
+SERVER.set_forkserver_preload([*IMPORTED, "processes", "warm"])
 
 
 @functools.cache
@@ -215,6 +215,7 @@ def _become(module: str, arguments: list[str], environment: dict[str, str], wait
 
 
 def _main(module: str, arguments: list[str], environment: dict[str, str]) -> int:
+    assert "warm" in sys.modules  # the server passes over what it cannot import
     os.environ.clear()
     os.environ.update(environment)
     faulthandler.enable()

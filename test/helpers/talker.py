@@ -55,5 +55,9 @@ class Talker(Node):
         print("last words", flush=True)
 
 
-if __name__ == "__main__":
+def main():
     sys.exit(run_node(Talker))
+
+
+if __name__ == "__main__":
+    main()

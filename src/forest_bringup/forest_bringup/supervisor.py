@@ -18,7 +18,7 @@ import sys
 import time
 from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import IO, TYPE_CHECKING, NamedTuple
+from typing import IO, TYPE_CHECKING, NamedTuple, cast
 
 from forest_bringup.graph_lock import AlreadyRunning, GraphError, only_graph
 from forest_bringup.process_priority import raise_priority
@@ -56,6 +56,11 @@ class _Process(NamedTuple):
     popen: subprocess.Popen[bytes]
     log: Path
     tail: IO[str]
+
+    @property
+    def go(self) -> IO[bytes]:
+        """Where a byte releases it."""
+        return cast("IO[bytes]", self.popen.stdin)
 
 
 class Supervisor:
@@ -163,9 +168,8 @@ class Supervisor:
         self._forward_logs()
         for process in self._processes:
             process.tail.close()
-            if process.popen.stdin is not None:
-                with contextlib.suppress(BrokenPipeError):
-                    process.popen.stdin.close()
+            with contextlib.suppress(BrokenPipeError):
+                process.go.close()
         self._processes = []
 
     def _start(self, spec: NodeSpec) -> None:
@@ -200,10 +204,9 @@ class Supervisor:
     def _release(self) -> None:
         """Let the waiting nodes go on."""
         for process in self._processes:
-            if process.popen.stdin is not None:
-                with contextlib.suppress(BrokenPipeError):  # it has ended already: `run` will say so
-                    process.popen.stdin.write(b"\n")
-                    process.popen.stdin.flush()
+            with contextlib.suppress(BrokenPipeError):  # it has ended already: `run` will say so
+                process.go.write(b"\n")
+                process.go.flush()
 
     def _handle_exit(self, process: _Process, code: int) -> None:
         """Go on without a node that is not needed, and say so once; end the graph without another.

@@ -101,7 +101,7 @@ class ValveDriverNode(Node):
 
     def _on_watchdog(self) -> None:
         """Centre the valves while no command comes; before the first one too: a machine sees who is there."""
-        if self._gate.watch():
+        if self._gate.is_lost():
             if self._period.started:
                 self._diagnostics.note("commands", "no command")
             self._stand_still()

@@ -14,6 +14,7 @@ from mcap.records import Chunk
 from forest_bag.read import bag_reader
 from forest_bag.read.bag_reader import BagReader
 from forest_bag.storage import decompression
+from forest_bag.storage.bag_files import BagError
 from forest_bag.storage.decompression import LARGEST, unlz4, unzstd, unzstd_file
 from forest_bag.storage.mcap_records import chunk_records
 from forest_bag.storage.raw_messages import Damaged
@@ -83,6 +84,19 @@ def test_metadata_that_is_too_large_is_not_read(tmp_path, monkeypatch):
     (tmp_path / "x_0.mcap").write_bytes(b"")
     with pytest.raises(Damaged, match=r"metadata\.yaml has 31 bytes; allowed: 10"):
         BagReader(tmp_path)
+
+
+@pytest.mark.parametrize("name", ["../secret/x_0.mcap", "/etc/passwd", "sub/../../secret/x_0.mcap"])
+def test_no_path_of_a_bag_leads_out_of_its_folder(tmp_path, name):
+    (tmp_path / "secret").mkdir()
+    (tmp_path / "secret" / "x_0.mcap").write_bytes(b"secret")
+    bag = tmp_path / "bag"
+    bag.mkdir()
+    (bag / "metadata.yaml").write_text(
+        f"rosbag2_bagfile_information: {{relative_file_paths: [{name}]}}", encoding="utf-8"
+    )
+    with pytest.raises(BagError, match=f"{bag} lacks {name.rpartition('/')[2]} of its metadata.yaml"):
+        BagReader(bag)
 
 
 LAUGHS = """

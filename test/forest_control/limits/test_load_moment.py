@@ -8,24 +8,13 @@ import pytest
 
 from forest_control.config import controller_settings
 from forest_control.limits import load_moment
-from forest_control.limits.load_moment import (
-    Loading,
-    allowed_load,
-    allowed_speed,
-    believed_mass,
-    loading,
-    unloaded,
-)
+from forest_control.limits.load_moment import allowed_load
 from forest_control.limits.velocity_scaling import Limit
 from forest_control.operator.levers import Levers, levers_for_tip_velocity
-from forest_control.pipeline.control_state import REST
-from forest_control.pipeline.controller import counted_angles
 from forest_control.servo.schemes import Scheme
 from forest_control.valve import valve_driver_parameters
 from forest_description.derived.limits import pose_at
-from forest_description.geometry.kinematics import tip_position
 from forest_description.machine import load_machine
-from forest_description.types import ZERO
 from forest_sim.equations.plant_parameters import plant_parameters
 from forest_sim.sensors.sensor_suite import sensor_suite
 from forest_sim.simulation.load import Load, loaded
@@ -129,76 +118,3 @@ def test_a_crane_whose_pressures_nobody_reads_counts_as_fully_loaded():
     assert np.linalg.norm(way(told)) < 0.01
     assert told[-1].output.scaling.limit == Limit.LOAD
     assert way(driven(wished(IN), mass=0.0, periods=300, blind=True))[0] < -0.3
-
-
-def test_the_chart_is_straight_between_its_points():
-    c = load_moment.capacity(REAL)
-    reaches, loads = REAL.capacity.reach, REAL.capacity.load
-    for reach in np.linspace(0.0, 10.0, 101):
-        assert allowed_load(float(reach), c) == pytest.approx(np.interp(reach, reaches, loads))
-    assert allowed_load(8.0, load_moment.capacity(C180)) == math.inf
-
-
-def test_whatever_is_wished_no_more_loads_than_may_and_what_does_not_load_is_untouched():
-    rng = np.random.default_rng(7)
-    for _ in range(5000):
-        p, v = tuple(rng.uniform(-7.0, 7.0, 3)), tuple(rng.uniform(-1.0, 1.0, 3))
-        load = Loading(1000.0, math.hypot(p[0], p[1]), 1000.0, float(rng.uniform(0.5, 1.2)))
-        most = allowed_speed(load)
-        before = np.array(parts(p, v))
-        asked = before[0] + max(0.0, before[2])
-        slid, left = unloaded(p, v, load, keeps_path=False)
-        kept, share = unloaded(p, v, load, keeps_path=True)
-        if asked <= most:
-            assert (slid, kept, left, share) == (v, v, 1.0, 1.0)
-            continue
-        for after in (np.array(parts(p, slid)), np.array(parts(p, kept))):
-            assert after[0] + max(0.0, after[2]) == pytest.approx(most, abs=1e-9)
-        assert parts(p, slid)[1] == pytest.approx(before[1])
-        assert kept == pytest.approx(share * np.array(v))
-        assert 0.0 <= left <= 1.0
-
-
-def parts(p, v):
-    """A velocity outward, aside and up."""
-    r = math.hypot(p[0], p[1])
-    return (p[0] * v[0] + p[1] * v[1]) / r, (p[0] * v[1] - p[1] * v[0]) / r, v[2]
-
-
-def test_what_is_not_weighed_counts_as_all_that_is_allowed():
-    c, q = load_moment.capacity(REAL), pose_at(TIP, REAL)
-    links = REAL.manipulator.links
-    assert loading(math.nan, q, links, c).share == 1.0
-    loader = load_machine("loader")
-    near = pose_at((loader.manipulator.links.base_offset + 0.7, 0.0, -1.9), loader)
-    told = loading(math.nan, near, loader.manipulator.links, load_moment.capacity(loader))
-    assert told.share == 0.0  # or the crane could not get away from where nothing can be weighed
-    assert loading(-50.0, q, links, c).share == 0.0
-    told = loading(575.0, q, links, c)
-    assert told.reach == pytest.approx(math.hypot(*tip_position(q, links)[:2]))
-    assert told.share == pytest.approx(0.5)
-    assert allowed_speed(told) == pytest.approx(told.reach)
-    assert allowed_speed(told._replace(share=1.3)) == 0.0
-    assert unloaded(TIP, ZERO, told._replace(share=1.3), keeps_path=False)[0] == ZERO
-
-
-def test_a_mass_that_no_crane_can_carry_is_not_believed():
-    machine = load_machine("c180")
-    p = controller_settings.parameters(machine, controller_settings.Settings())
-    head, allowed = 700.0, 1150.0  # [kg] of the file; the latter from 6 m on
-    q = pose_at((7.5, 0.0, 0.0), machine)
-
-    def believed(mass, chart=p.capacity):
-        return believed_mass(mass, head, q, p.links, chart)
-
-    assert believed(5000.0) == 1.25 * allowed
-    assert [believed(mass) for mass in (-700.0, 0.0, allowed)] == [-700.0, 0.0, allowed]
-    assert believed(-2000.0) == -700.0
-    assert math.isnan(believed(math.nan))
-    assert believed(5000.0, load_moment.NO_CAPACITY) == 5000.0
-
-    def tip(mass):
-        state = REST._replace(weighing=REST.weighing._replace(mass=mass))
-        return tip_position(counted_angles(q, state, p), p.links)
-
-    assert math.dist(tip(0.0), tip(5000.0)) < 0.05  # 0.13 m if it were

@@ -6,6 +6,7 @@ import pytest
 
 from forest_description.components.drives import Cushion
 from forest_description.components.hose import BLASIUS, GeometricHose
+from forest_description.components.load_holding import RuptureValve
 from forest_description.components.valve_parameters import BackwardValve
 from forest_description.config.parameter import MachineError
 from forest_description.derived.temperature import at_temperature
@@ -171,7 +172,7 @@ def test_a_temperature_that_no_oil_has_is_refused_with_the_range():
         at_temperature(C180, 40.0)
 
 
-def test_a_warm_forwarders_compensators_and_tank_line_have_its_oil():
+def test_a_warm_forwarders_compensators_load_holding_valves_and_tank_line_have_its_oil():
     machine = load_machine("forwarder")
     warm = at_temperature(machine, 353.15)
     thin, soft = warm.oil.density / machine.oil.density, warm.oil.bulk_modulus / machine.oil.bulk_modulus
@@ -182,3 +183,21 @@ def test_a_warm_forwarders_compensators_and_tank_line_have_its_oil():
         as_told, now = machine.valve_of(axis), warm.valve_of(axis)
         resistance = thin * as_told.compensator.minimum_resistance
         assert now.compensator.minimum_resistance == pytest.approx(resistance)
+    for told, now in (
+        (machine.boom.holding_1, warm.boom.holding_1),
+        (machine.stick.holding_2, warm.stick.holding_2),
+    ):
+        assert now.minimum_resistance == pytest.approx(thin * told.minimum_resistance)
+        assert now.check_resistance == pytest.approx(thin * told.check_resistance)
+        assert (now.setting, now.response_time) == (told.setting, told.response_time)
+
+
+def test_a_warm_rupture_valve_has_one_thinner_resistance():
+    valve = RuptureValve(closing_flow=1e-3, minimum_resistance=1e11, response_time=0.01)
+    machine = load_machine("c180")
+    machine = dataclasses.replace(machine, boom=dataclasses.replace(machine.boom, holding_1=valve))
+    warm = at_temperature(machine, 353.15)
+    assert warm.boom.holding_1.minimum_resistance == pytest.approx(
+        1e11 * warm.oil.density / machine.oil.density
+    )
+    assert warm.boom.holding_1.closing_flow == 1e-3

@@ -13,12 +13,10 @@ from rclpy.executors import SingleThreadedExecutor
 from forest_msgs_py.interfaces import messages, topics
 from forest_msgs_py.runtime import environment, node
 
-TALKER = str(Path(__file__).parents[2] / "helpers" / "talker.py")
-
 
 @pytest.fixture
 def talker(domain_id, start_process):
-    return lambda *arguments: start_process([TALKER, "--ros-args", *arguments])
+    return lambda *arguments: start_process(["-m", "talker", "--ros-args", *arguments])
 
 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])

@@ -58,6 +58,9 @@ def test_a_tally_counts_and_tells_for_how_long_the_newest_message_has_been_sent(
         tally.note(sent(age))
         assert tally.count == count
         assert tally.age() == pytest.approx(age, abs=1e-6)
+    tally.heard = (heard := []).append
+    tally.note(sent(1.0))
+    assert heard == [sent(1.0)]
 
 
 def test_newest_message_comes_with_its_time_and_older_ones_are_gone(make_node, wait_until):

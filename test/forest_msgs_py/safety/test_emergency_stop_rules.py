@@ -169,6 +169,15 @@ def test_a_reset_asks_what_stands_against_it_and_only_of_a_stopped_node(stop):
     assert stop.asked == 2
 
 
+def test_who_objects_later_is_asked_first(stop):
+    stop.objection, objections = "the deadman is held", ["two talk", ""]
+    stop.stop.refuse_while(lambda: objections.pop(0))
+    stop.command(True)
+    assert stop.stop.reset() == "two talk"
+    assert stop.asked == 0
+    assert stop.stop.reset() == "the deadman is held"
+
+
 def test_the_services_answer_with_what_they_did(stop):
     def ask(what):
         answer = what(Trigger.Request(), Trigger.Response())

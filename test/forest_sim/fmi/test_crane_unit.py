@@ -38,6 +38,15 @@ np.save(asked["out"], rows)
 print(sys.modules["forest_sim"].__file__)
 """
 
+TWICE = """
+import sys
+sys.path.append(sys.argv[1])
+from fmpy import simulate_fmu
+for fmu in sys.argv[2:]:
+    rows = simulate_fmu(fmu, stop_time=0.005, step_size=0.005, output_interval=0.005)
+    print(rows[0]["ground_truth.joint_states.boom.position"])
+"""
+
 
 @pytest.fixture(scope="module")
 def fmu(tmp_path_factory):
@@ -131,6 +140,18 @@ def test_what_cannot_be_is_told_in_the_tools_log(run, step, start, reason):
     rows, said = run(0.01, step=step, start_values=start)
     assert rows is None
     assert reason in said
+
+
+def test_a_process_runs_units_of_other_machines_after_the_first(fmu, tmp_path):
+    other = tmp_path / "other.fmu"
+    assert main(["export", "--fmu", "loader", "--out", str(other)]) == 0
+    folder = sysconfig.get_paths()["platlib"]
+    command = [sys.executable, "-S", "-c", TWICE, folder, str(fmu), str(other), str(fmu)]
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+    first, second, third = (float(line) for line in done.stdout.splitlines())
+    assert first == third == start_angles(load_machine(MACHINE))[1]
+    assert second == start_angles(load_machine("loader"))[1] != first
 
 
 def test_a_file_that_is_there_is_left_alone(fmu, capsys):

@@ -8,6 +8,7 @@ import pytest
 
 from forest_control.taught.cycle import Cycle, Pose
 from forest_control.taught.cycle_file import load_cycle
+from forest_description.derived.limits import start_tip
 from forest_description.machine import load_machine
 from forest_station.scene.drawn_cycle import MOST, drawn_cycle
 
@@ -33,6 +34,11 @@ def test_where_a_first_pose_is_reached_from_is_not_drawn():
     line = drawn_cycle(poses, C180, "")["line"]
     assert line[0] == pytest.approx([5.0, 0.5, 1.0])
     assert drawn_cycle(poses._replace(segments=poses.segments[:1]), C180, "")["line"] == []
+
+
+def test_a_single_pose_at_which_the_tip_stands_is_no_trouble():
+    shown = drawn_cycle(Cycle("home", (Pose("here", start_tip(C180), 0.3),)), C180, "")
+    assert shown["trouble"] == shown["segments"][0]["text"] == ""
 
 
 def test_what_cannot_be_played_is_shown_with_the_reason():

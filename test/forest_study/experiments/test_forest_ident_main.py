@@ -1,5 +1,8 @@
+import os
+
 import numpy as np
 import pytest
+from processes import ForkedNode
 
 pytest.importorskip("rclpy")
 
@@ -16,12 +19,12 @@ SHORT = 3.0  # [s] of the crane's
 @pytest.fixture(scope="module")
 def bags(tmp_path_factory, session_domain_id):
     """A rig's experiment as the graph makes it, with the sensors of Table 4.2."""
-    out = tmp_path_factory.mktemp("ident") / "bags"
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setenv("ROS_DOMAIN_ID", str(session_domain_id))
-        arguments = ("--trial", str(TRIAL), "--seed", "2", "--out", str(out))
-        assert main(["experiment", "spool_lag", *arguments]) == 0
-    return out
+    out = tmp_path_factory.mktemp("ident")
+    asked = ["experiment", "spool_lag", "--trial", str(TRIAL), "--seed", "2", "--out", str(out / "bags")]
+    environment = {**os.environ, "ROS_DOMAIN_ID": str(session_domain_id)}
+    command = ForkedNode("forest_study.experiments.forest_ident_main", asked, out / "log", environment)
+    assert command.ended() == 0, command.text()
+    return out / "bags"
 
 
 def same(one, other):

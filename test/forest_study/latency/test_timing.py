@@ -4,9 +4,10 @@ import json
 
 import numpy as np
 import pytest
+from lockstep_sessions import run_in_lockstep
 
 from forest_bag.read.timeseries import Series, bag_of
-from forest_bringup import graph, lockstep_run
+from forest_bringup import graph
 from forest_control.operator.joystick_sources import thesis_levers
 from forest_control.operator.levers import REST
 from forest_control.valve import valve_driver, valve_driver_parameters
@@ -108,9 +109,7 @@ def lockstep(tmp_path_factory, session_domain_id):
         graph.simulator(C180.name),
         graph.recorder(out / "bag"),
     ]
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setenv("ROS_DOMAIN_ID", str(session_domain_id))
-        lockstep_run.run(nodes, STEPS, out / "log")
+    run_in_lockstep(nodes, STEPS, out, session_domain_id)
     return out / "bag"
 
 

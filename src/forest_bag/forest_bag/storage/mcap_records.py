@@ -22,7 +22,7 @@ HEAD = struct.Struct("<BQ")  # opcode, length
 MESSAGE = struct.Struct("<HIQQ")  # channel, sequence, log and publish time [ns]; the data follow
 FOOTER = struct.Struct("<QQI")  # start of the summary, of its offsets, checksum
 # What these functions, mcap's and Python's own raise over bytes that make no sense.
-BROKEN = (McapError, struct.error, ValueError, KeyError, EOFError, RuntimeError, MemoryError)
+BROKEN = (McapError, struct.error, ValueError, KeyError, EOFError, RuntimeError, MemoryError, OverflowError)
 _READERS: dict[int, Callable[[ReadDataStream], McapRecord]] = {
     Opcode.SCHEMA: Schema.read,
     Opcode.CHANNEL: Channel.read,

@@ -73,7 +73,7 @@ def counted_angles(measured: Vec3, state: State, p: Parameters) -> Vec3:
 
 def _of_links(joints: Vec3, mass: float, p: Parameters) -> Vec3:
     """Return the links' angles for their joints' [rad] and a weighed mass [kg], as far as it is believed."""
-    hung = believed_mass(mass, p.weighing.head_mass, joints, p.links, p.capacity)
+    hung = believed_mass(mass, p.weighing.empty_head, joints, p.links, p.capacity)
     return link_angles(joints, hung, p.speed_limits, p.coordinated.arm)
 
 

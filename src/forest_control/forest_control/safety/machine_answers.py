@@ -5,7 +5,7 @@ file says, though the driver allows for loads; or the pressures bear less than b
 
 | symbol | name | unit |
 |---|---|---|
-| u, v | commanded and measured joint rate, behind one low-pass of `TOGETHER` | rad/s |
+| u, v | commanded and measured joint rate, both low-passed by `TOGETHER`, u by its spool's lag, too | rad/s |
 | G | gain of a joint by least squares, integral of u v over that of u^2 | 1 |
 | W, W_0 | torque of the boom's cylinder, and of the weight of boom and stick, over the way | N m rad |
 | way | what the boom has gone up, and the swing either way, as commanded | rad |
@@ -29,6 +29,7 @@ COMMANDED = 0.002  # [rad/s] of u, from which it counts: less may be leakage tha
 TOLD = 8e-3  # [rad^2/s] of integral u^2 that judges, 0.1 rad/s for 0.8 s; the forwarder's oil fills till then
 MOVED = 2e-3  # [rad^2/s] of integral v^2 that judges a joint that is too fast: a quarter of it
 STIRRED = 5e-4  # [rad^2/s] of integral v^2 of a joint that does not stand
+TRUE = 0.7  # [1] least squared correlation of u and v of a joint that is slow; one that stopped has less
 SLOWEST, FASTEST = 0.4, 2.0  # [1] of G; 48 plants off their file by 40 % of gain gave 0.58 to 1.4
 FREE = 0.03  # [rad] 0.2 m of the tip at 6 m: what starts to move has settled
 LIGHTEST = 0.8  # [1] of W/W_0; an empty crane without its head gives 1, `loader` believed `c180` 0.4 to 0.65
@@ -64,9 +65,16 @@ def answered(
         p: the controller's parameters.
         dt: since the last sample [s].
     """
-    share = 1.0 - math.exp(-dt / TOGETHER)
-    told = _passed(before.told, u, share)
-    gone = _passed(before.gone, v, share)
+    told = (
+        _passed(before.told[0], u[0], p.speed_limits.axes[0].spool.lag, dt),
+        _passed(before.told[1], u[1], p.speed_limits.axes[1].spool.lag, dt),
+        _passed(before.told[2], u[2], p.speed_limits.axes[2].spool.lag, dt),
+    )
+    gone = (
+        _passed(before.gone[0], v[0], 0.0, dt),
+        _passed(before.gone[1], v[1], 0.0, dt),
+        _passed(before.gone[2], v[2], 0.0, dt),
+    )
     one, two, three = (
         _summed(before, told, gone, 0, dt),
         _summed(before, told, gone, 1, dt),
@@ -84,7 +92,7 @@ def answered(
     way = dt * ((abs(v[0]) if u[0] * v[0] > 0.0 else 0.0) + (v[1] if u[1] > 0.0 and v[1] > 0.0 else 0.0))
     if before.way >= FREE or way == 0.0 or math.isnan(force):
         return after
-    torque, head = lever_arm(q[1], c.linkage) * force, c.gravity * c.head_mass * _reach(q, p)
+    torque, head = lever_arm(q[1], c.linkage) * force, c.gravity * c.empty_head * _reach(q, p)
     return after._replace(
         way=before.way + way,
         borne=before.borne + torque * way,
@@ -92,16 +100,13 @@ def answered(
     )
 
 
-def _passed(before: Vec3, x: Vec3, share: float) -> Vec3:
-    return (
-        before[0] + share * (x[0] - before[0]),
-        before[1] + share * (x[1] - before[1]),
-        before[2] + share * (x[2] - before[2]),
-    )
+def _passed(before: float, x: float, lag: float, dt: float) -> float:
+    """Return a rate [rad/s] behind the low-pass; lag: of what it passes before [s]."""
+    return before + (1.0 - math.exp(-dt / (TOGETHER + lag))) * (x - before)
 
 
 def _summed(before: Answers, told: Vec3, gone: Vec3, i: int, dt: float) -> tuple[float, float, float]:
-    """Return the sums of one joint; as before of one that has proven right, is told nothing, or goes back."""
+    """Return the sums of one joint; as before if it has proven right, is told nothing, or goes back."""
     squares, products, responses = before.squares[i], before.products[i], before.responses[i]
     u, v = told[i], gone[i]
     if min(squares, responses) > TOLD or abs(u) < COMMANDED or u * v < 0.0:
@@ -119,7 +124,8 @@ def is_of_another_rate(answers: Answers, i: int) -> bool:
     squares, products, responses = answers.squares[i], answers.products[i], answers.responses[i]
     if responses > MOVED and products > FASTEST * squares:
         return True
-    return squares > TOLD and responses > STIRRED and products < SLOWEST * squares
+    is_slow = squares > TOLD and responses > STIRRED and products < SLOWEST * squares
+    return is_slow and products * products > TRUE * squares * responses
 
 
 def gain(answers: Answers, i: int) -> float:

@@ -74,11 +74,13 @@ Step = Leg | Hold
 
 
 def planned(cycle: Cycle, start: Vec3, p: Parameters) -> tuple[Step, ...]:
-    """Return the steps of a cycle for a tip that is at a place [m].
+    """Return the steps of a cycle for a tip that is at a place [m]; none where it is there already.
 
     Raises:
         PathError: the tip cannot go there; the sentence names the segment.
     """
+    if not cycle.segments:
+        raise PathError(f"cycle {cycle.name!r}: no segment; allowed: one at the least")
     steps: list[Step] = []
     here = start
     for number, segment in enumerate(cycle.segments, start=1):
@@ -88,8 +90,6 @@ def planned(cycle: Cycle, start: Vec3, p: Parameters) -> tuple[Step, ...]:
         for points in _ways(segment, here):
             steps.append(leg(number, segment.name, points, segment.speed, p))
             here = points[-1]
-    if not steps:
-        raise PathError(f"cycle {cycle.name!r}: no segment; allowed: one at the least")
     return tuple(steps)
 
 

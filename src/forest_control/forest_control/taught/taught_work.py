@@ -115,6 +115,8 @@ class TaughtWork:
         if self._recording or self._state.phase in BUSY:
             raise Refused(f"{self._name} is under way; allowed: play after stop")
         steps = planned(load_cycle(self.cycle, self._folder), self._here(), self.p)
+        if not steps:
+            raise Refused(f"{self.cycle}: the tip is there already; allowed: play it from elsewhere")
         return self._say(f"{self.cycle}: play, {self._begin(self.cycle, steps)}")
 
     def _begin(self, name: str, steps: tuple[Step, ...]) -> str:

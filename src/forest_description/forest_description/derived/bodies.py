@@ -15,7 +15,7 @@ import dataclasses
 from typing import NamedTuple
 
 from forest_description.components.load import Log, RotatorAndGrapple
-from forest_description.machine import Manipulator
+from forest_description.components.manipulator import Manipulator
 
 
 class PlanarBody(NamedTuple):

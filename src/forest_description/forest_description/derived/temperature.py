@@ -10,6 +10,7 @@ What changes, and how:
                      wall's part not (``MeasuredHose.oil_share``)
     geometric hose   made from the oil anew, ``GeometricHose.line``
     valve            C_R of edges and compensator r (sharp: viscosity has no say); leakage past the edges 1/m
+    load holding     C_R of valve and check r
     motor, pump      leakage resistances m; capacitance of the manifold, whose walls are rigid, 1/b
     tank line        R r; C 1/b
     cushions         r, as orifices
@@ -24,6 +25,7 @@ from typing import NamedTuple
 
 from forest_description.components.drives import CylinderDrive, SwingDrive
 from forest_description.components.hose import Hose, MeasuredHose
+from forest_description.components.load_holding import LoadHolding, RuptureValve
 from forest_description.components.oil import Oil
 from forest_description.components.pump import IdealPump, Pump
 from forest_description.components.tank_line import TankLine
@@ -112,6 +114,16 @@ def _valve(valve: Valve, change: Change) -> Valve:
     )
 
 
+def _holding(valve: LoadHolding | None, change: Change) -> LoadHolding | None:
+    if valve is None:
+        return None
+    c_r = valve.minimum_resistance * change.density
+    if isinstance(valve, RuptureValve):
+        return replace_unchecked(valve, minimum_resistance=c_r)
+    check = valve.check_resistance * change.density
+    return replace_unchecked(valve, minimum_resistance=c_r, check_resistance=check)
+
+
 def _tank_line(line: TankLine | None, change: Change) -> TankLine | None:
     if line is None:
         return None
@@ -142,6 +154,8 @@ def _swing(drive: SwingDrive, change: Change) -> SwingDrive:
         external_leakage_resistance=drive.external_leakage_resistance * change.viscosity,
         valve=None if drive.valve is None else _valve(drive.valve, change),
         hose=None if drive.hose is None else _hose(drive.hose, change),
+        holding_1=_holding(drive.holding_1, change),
+        holding_2=_holding(drive.holding_2, change),
     )
 
 
@@ -153,5 +167,7 @@ def _cylinder(drive: CylinderDrive, change: Change) -> CylinderDrive:
         drive,
         valve=None if drive.valve is None else _valve(drive.valve, change),
         hose=None if drive.hose is None else _hose(drive.hose, change),
+        holding_1=_holding(drive.holding_1, change),
+        holding_2=_holding(drive.holding_2, change),
         cushion=cushion,
     )

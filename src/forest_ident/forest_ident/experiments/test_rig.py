@@ -21,8 +21,9 @@ import dataclasses
 from functools import lru_cache
 
 from forest_description.components.hose import GeometricHose, MeasuredHose
+from forest_description.components.manipulator import Manipulator
 from forest_description.components.sensors import Sensors
-from forest_description.machine import Machine, Manipulator, load_machine
+from forest_description.machine import Machine, load_machine
 
 DISPLACEMENT = 0.05  # [m^3/rad] D
 INERTIA = 25.0  # [kg m^2] of the meter: an inertance of 1e4 Pa s^2/m^3, three thousandths of the hose's

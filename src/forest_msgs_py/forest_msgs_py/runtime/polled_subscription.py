@@ -41,16 +41,10 @@ def sent_at(info: dict[str, int]) -> float:
 
 
 class _NotInWaitSet(CallbackGroup):
-    """Keeps its subscriptions out of the executor's wait set."""
+    """Keeps its subscriptions out of the executor's wait set: none of them ever begins or ends."""
 
     def can_execute(self, _entity: object) -> bool:
         return False
-
-    def beginning_execution(self, _entity: object) -> bool:
-        return False
-
-    def ending_execution(self, _entity: object) -> None:
-        pass
 
 
 class ReceivedCount:

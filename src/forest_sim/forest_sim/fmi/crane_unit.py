@@ -31,6 +31,8 @@ from forest_sim.solver.plant_kernel import KERNEL as PLANT
 
 MACHINE_FILE = "machine.yaml"
 """Beside the unit: the machine that it is."""
+NAMESPACES: list[dict[str, Any]] = []
+"""Of the scripts that made units in this process."""
 STEP_TOLERANCE = 1e-9  # [s]
 COUNTED = ("missed_deadlines",)  # of a node, which a unit is not
 

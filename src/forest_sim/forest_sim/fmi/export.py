@@ -18,7 +18,14 @@ from forest_sim.fmi.crane_unit import MACHINE_FILE, CraneUnit
 
 PACKAGES = ("forest_compile", "forest_description", "forest_msgs_py", "forest_sim")
 SCRIPT = "forest_crane_unit.py"
-UNIT = '"""The unit of this FMU."""\n\nfrom forest_sim.fmi.crane_unit import CraneUnit\n'
+UNIT = '''"""The unit of this FMU."""
+
+from forest_sim.fmi.crane_unit import NAMESPACES, CraneUnit
+
+# pythonfmu runs this anew for each unit, and then releases the namespace once more than it took it:
+# without one more holder the second unit of a process would find it empty.
+NAMESPACES.append(globals())
+'''
 
 
 def export(name_or_path: str, fmu: Path) -> tuple[int, int]:

@@ -25,7 +25,7 @@ DRIFT = 5e-4  # [1] of the page's clock against ours: what a clock that is being
 CENTRE = WatchParameters().centre
 
 NO_HEARTBEAT = f"The page was not heard for {TIMEOUT:g} s."
-LATE = "The network is slow: what the page sends arrives too late."
+LATE = "What the page sends arrives too late: the network is slow, or a computer too busy."
 
 
 class State(IntEnum):

@@ -11,7 +11,7 @@ export function layOut(station) {
   watch(station);
 }
 
-// Sets `data-link` of the page: "live", "stale" (no frame came lately) or "lost".
+// Sets `data-link` of the page: "connecting", then "live", "stale" (no frame came lately) or "lost".
 function watch(station) {
   let newest = -Infinity;
   const mark = (link) => {
@@ -21,9 +21,9 @@ function watch(station) {
     newest = performance.now();
     mark("live");
   });
-  station.on("close", () => mark("lost"));
+  station.on("close", () => newest > -Infinity && mark("lost"));
   setInterval(() => {
     if (station.connected && station.live && performance.now() - newest > FRESH_MS) mark("stale");
   }, FRESH_MS / 2);
-  mark("lost");
+  mark("connecting");
 }

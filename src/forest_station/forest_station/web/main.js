@@ -8,10 +8,12 @@ import { layOut } from "./layout.js";
 import { Station } from "./station.js";
 import { drawScene } from "./scene/scene.js";
 
+const FIRST = ["emergency_stop", "seat", "sticks"]; // what a person needs, however slowly the rest comes
+
 // A panel that fails leaves the others, the emergency stop above all, alone.
-async function mountPanel(name, station) {
+async function mountPanel(name, station, loading) {
   try {
-    const panel = await import(`/web/panels/${name}.js`);
+    const panel = await loading;
     const section = document.createElement("section");
     section.id = name;
     if (panel.title) {
@@ -61,6 +63,9 @@ const station = new Station();
 layOut(station);
 const { modules, styles } = await json("/panels.json");
 styles.forEach(addStyleSheet);
-for (const name of modules) await mountPanel(name, station);
+const names = [...FIRST.filter((name) => modules.includes(name)), ...modules.filter((name) => !FIRST.includes(name))];
+const panels = names.map((name) => [name, import(`/web/panels/${name}.js`)]); // all at once: the next does not wait for the last
+for (const [, loading] of panels) loading.catch(() => {}); // it is told where it is mounted
+for (const [name, loading] of panels) await mountPanel(name, station, loading);
 await showCrane(station);
 station.connect();

@@ -8,7 +8,7 @@ const MOST_WAITING = 480; // [bytes] ten hands messages: 0.2 s of them
 const ANSWER_MS = 5000; // a service of the graph may take some seconds
 
 // Emits "frame" (a Frame: {time, values}), "signals" when they change, each kind of message of the protocol, "open" and
-// "close".
+// "close" with the server's reason, if it told one.
 export class Station extends EventTarget {
   constructor() {
     super();
@@ -27,10 +27,10 @@ export class Station extends EventTarget {
     this.socket.binaryType = "arraybuffer";
     this.socket.onopen = () => this.emit("open");
     this.socket.onmessage = ({ data }) => (typeof data === "string" ? this.#hear(JSON.parse(data)) : this.#frame(data));
-    this.socket.onclose = () => {
+    this.socket.onclose = ({ reason }) => {
       for (const resolve of this.requests.values()) resolve({ ok: false, text: "The connection to the crane is lost." });
       this.requests.clear();
-      this.emit("close");
+      this.emit("close", reason);
       setTimeout(() => this.connect(), RETRY_MS);
     };
   }
@@ -60,7 +60,7 @@ export class Station extends EventTarget {
     this.socket.send(JSON.stringify({ do: what, number, ...args }));
     return new Promise((resolve) => {
       this.requests.set(number, resolve);
-      setTimeout(() => resolve({ ok: false, text: "The server does not answer." }), ANSWER_MS);
+      setTimeout(() => resolve({ ok: false, text: "The server has not answered yet." }), ANSWER_MS);
     });
   }
 

@@ -37,8 +37,9 @@ stop, or that nobody sees. The latter are gaps: the [reasons](#reasons) say whic
 
 {table}
 
-Signals to live nodes, full disks, broken bags, two talkers and lost browsers have tests of their
-own: [safety](safety.md).
+What only processes can show is [below](#live). Browsers that go away, devices that are unplugged and
+broken bags have tests of their own: [safety](safety.md). No test sets the computer's clock: stamps
+that jump stand above, and ages are of clocks that nobody sets.
 
 ## Reasons
 

@@ -170,7 +170,7 @@ class FaultyLoop(ClosedLoop):
                 self._newest = sent, given.values
             elif verdict == Verdict.CENTRE:
                 self._newest = sent, ZERO
-        if self._gate.watch():
+        if self._gate.is_lost():
             self._newest = now, ZERO
         if self._newest[1] == ZERO and (self._gate.problem or self._gate.is_lost()):
             self._driver = valve_driver.at_rest(self._driver)

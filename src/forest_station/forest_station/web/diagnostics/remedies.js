@@ -3,7 +3,7 @@
 // The first entry whose pattern is found in the message.
 const REMEDIES = [
   [/^the graph starts/, "Wait some seconds. What is missing then is said here."],
-  [/waiting for a joystick/, "Take the seat on this page, or start a joystick node in the same ROS domain."],
+  [/waiting for a joystick/, "If you have the seat, wait a second. Else take it, or start a joystick node in the same ROS domain."],
   [/waiting for the machine's state/, "Start the simulator, or the crane's interface."],
   [/waiting for commands/, "Start the controller, in the same ROS domain and namespace."],
   [/waiting for voltages/, "Start the valve driver."],
@@ -39,9 +39,12 @@ export function remedy(text) {
 
 const WORST_FIRST = ["error", "stale", "warning", "ok"];
 
-// What is not well, the worst first; of several alike the first by name.
+// What is not well, the worst first; of several alike the first by name. What several say is told once, with all their names.
 export function troubles(statuses) {
-  return statuses
-    .filter(({ level }) => level !== "ok")
-    .sort((a, b) => WORST_FIRST.indexOf(a.level) - WORST_FIRST.indexOf(b.level) || a.name.localeCompare(b.name));
+  const found = new Map(); // by level and text
+  for (const { name, level, text } of statuses.filter(({ level }) => level !== "ok")) {
+    const key = `${level} ${text}`;
+    found.set(key, { name: found.has(key) ? `${found.get(key).name}, ${name}` : name, level, text });
+  }
+  return [...found.values()].sort((a, b) => WORST_FIRST.indexOf(a.level) - WORST_FIRST.indexOf(b.level) || a.name.localeCompare(b.name));
 }

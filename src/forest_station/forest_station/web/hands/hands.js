@@ -2,7 +2,7 @@
 //
 // 50 times a second and at once on a change, straight from the event to the socket: no redraw is waited for.
 
-import { Deadman, hung } from "./deadman.js";
+import { Deadman, Hangs, hung } from "./deadman.js";
 import { watchDoubts } from "./doubts.js";
 import { Gamepads } from "./gamepads.js";
 import { CENTRED, buttonBits, mergeAxes } from "./joy.js";
@@ -19,6 +19,7 @@ class Hands extends EventTarget {
     super();
     this.station = station;
     this.deadman = new Deadman();
+    this.hangs = new Hangs();
     this.gamepads = new Gamepads();
     this.axes = CENTRED;
     this.buttons = 0;
@@ -73,7 +74,7 @@ class Hands extends EventTarget {
 
   // Lets go of what must not count, also of what was pressed just now.
   #judge(now) {
-    if (hung(this.looked, now)) this.deadman.release("the page hung");
+    if (this.deadman.held && hung(this.looked, now)) this.deadman.release(this.hangs.told(now - this.looked, now));
     if (document.hidden || !document.hasFocus()) this.deadman.release("the page is not in front");
     if (!this.station.live) this.deadman.release("a replay is shown: close it to drive");
   }

@@ -12,6 +12,12 @@ export function driverText(seat) {
   return seat.driver === null ? "Nobody drives" : `${seat.driver} drives, you look on`;
 }
 
+// What is said when the connection ends, by the server's reason; "": it told none.
+export function lostText(reason) {
+  const what = reason ? `${reason} Its terminal says why.` : "The crane stands still until the page is connected again.";
+  return `${what} ${reason ? "Start scripts/station.sh anew." : "If this lasts, look at the terminal of scripts/station.sh."}`;
+}
+
 // How the deadman is, as the server judges it: {state, text}. "pressed": a hand is on it, and it does not count.
 //
 // here: {held, doubted} of this page's deadman.
@@ -43,10 +49,10 @@ export const isStanding = (text) => STANDING.test(text);
 
 // Why nothing moves, or not as fast as it was told to; "" if nothing is in the way.
 //
-// seat: the newest message, or null; here: {held, doubted, why} of this page's deadman, and its id, {you}; stopped: the emergency stop is active;
+// seat: the newest message, or null; here: {held, doubted, why} of this page's deadman, its id, {you}, and how it lost the server, {lost}; stopped: the emergency stop is active;
 // status: armed, factor and limit of controller/status, NaN where unknown; cause: why the controller stands still, "" if nobody knows.
 export function whyText(seat, here, stopped, status, cause = "") {
-  if (!seat) return "The crane stands still until the page is connected again.";
+  if (!seat) return here.lost || "The page asks for the crane. If this lasts: does scripts/station.sh run?";
   if (stopped) return ""; // its own panel says so
   if (seat.why_not) return seat.why_not;
   if (seat.asking.includes(here.you)) return `${seat.driver} is asked to hand over.`;

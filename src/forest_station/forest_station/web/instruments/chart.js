@@ -5,7 +5,7 @@ import uPlot from "../vendor/uplot.js";
 import { lineValues } from "./lines.js";
 import { pauseOf } from "./pause.js";
 
-const SPAN_S = 60;
+const [SPAN_S, LEAST_SPAN_S] = [60, 5]; // of the chart: as long as what is known, at the most a minute
 const PERIOD_MS = 100; // between two drawings
 const LATEST_MS = 500; // after which it is drawn, idle or not
 const STRIDE = 2; // of 30 frames a second
@@ -78,8 +78,8 @@ export class Chart {
 
   #readings() {
     const entries = this.definition.lines.map(({ label }, i) => {
-      const swatch = make("i");
-      swatch.style.background = this.#colour(i);
+      const swatch = make("i", { className: this.definition.lines[i].dashed ? "dashed" : "" });
+      swatch.style.color = this.#colour(i);
       return make("label", {}, swatch, `${label} `, this.values[i]);
     });
     const unit = make("span", { className: "unit" }, this.definition.unit);
@@ -108,7 +108,7 @@ export class Chart {
       padding: [6, 14, 0, 0],
       legend: { show: false },
       cursor: { y: false, drag: { x: false, y: false }, sync: { key: "minute" } },
-      scales: { x: { time: false, range: [-SPAN_S, 0] }, y: { range: (_, low, high) => this.#range(low, high) } },
+      scales: { x: { time: false, range: (_, first) => [-Math.min(SPAN_S, Math.max(LEAST_SPAN_S, -first || 0)), 0] }, y: { range: (_, low, high) => this.#range(low, high) } },
       axes: [{ ...axis, size: 20, values: (_, at) => at.map((s) => `${s} s`) }, { ...axis, size: 44 }],
       series: [{}, ...series],
       hooks: { drawClear: [(plot) => this.#shade(plot)], setCursor: [() => this.#showValues()] },
@@ -141,7 +141,7 @@ export class Chart {
   }
 
   #text(value) {
-    return Number.isFinite(value) ? value.toFixed(this.definition.digits ?? 0) : "–";
+    return Number.isFinite(value) ? value.toFixed(this.definition.digits ?? 0).replace(/^-(?=0\.?0*$)/, "") : "–";
   }
 
   #showPause() {

@@ -27,6 +27,7 @@ export function mount(element, station) {
 function show(summary, list, parts) {
   const found = troubles(parts);
   setText(summary, found.length ? "" : parts.length ? `All is well: ${parts.length} parts tell of themselves.` : "");
+  summary.dataset.well = parts.length > 0;
   const key = JSON.stringify(found);
   if (list.dataset.key === key) return;
   list.dataset.key = key;

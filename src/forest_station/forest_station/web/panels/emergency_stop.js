@@ -27,7 +27,14 @@ class EmergencyStop {
     this.resetButton = makeButton("Reset", () => this.reset());
     element.append(this.button, make("div", { className: "state" }, this.state, this.sources, this.resetButton));
     listenToKeys(() => this.stop());
-    station.on("open", () => this.wanted && this.stop());
+    station.on("open", () => {
+      this.#show();
+      if (this.wanted) this.stop();
+    });
+    station.on("close", () => {
+      this.resetButton.disabled = true;
+      this.#show();
+    });
     station.on("emergency_stop", (message) => this.#hear(message));
     station.on("seat", ({ you_drive: drives }) => {
       this.resetButton.disabled = !drives;
@@ -64,7 +71,8 @@ class EmergencyStop {
   #show() {
     const { active, sources } = this.told;
     this.element.classList.toggle("active", active);
-    setText(this.state, this.note || (active ? "STOPPED: nothing moves until it is reset." : ""));
+    const link = this.station.connected ? "" : "Not connected: a stop is sent once there is a connection.";
+    setText(this.state, this.note || link || (active ? "STOPPED: nothing moves until it is reset." : ""));
     this.sources.replaceChildren(
       ...(active ? sources : []).map(({ name, state }) => make("li", { className: state }, `${name}: ${state}`)),
     );

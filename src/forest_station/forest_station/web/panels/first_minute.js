@@ -38,6 +38,8 @@ class FirstMinute {
     });
     station.on("frame", ({ time }) => this.#follow(time));
     hands.addEventListener("change", () => this.#show());
+    station.on("replay", () => this.#end()); // it is the live crane's
+    for (const kind of ["open", "close"]) station.on(kind, () => this.#show());
     this.#show();
   }
 
@@ -83,9 +85,10 @@ class FirstMinute {
   }
 
   #sentence() {
+    if (!this.station.connected) return "There is no connection to the crane: the line at the top says what to do.";
     if (this.stopped) return "Stopped: press Reset, at the top.";
     if (!this.attempt) {
-      return `Mark a square at the tip of the crane, and drive along it with the left stick. ${STOP} stops everything.`;
+      return `Mark a square at the tip of the crane, and drive along it: hold ${DEADMAN}, and push the left stick. ${STOP} stops everything.`;
     }
     if (isDone(this.attempt)) {
       const { rms, most, seconds } = result(this.attempt);
@@ -98,7 +101,7 @@ class FirstMinute {
   }
 
   #instruction() {
-    const number = `Side ${this.attempt.side + 1} of 4`;
+    const number = `Edge ${this.attempt.side + 1} of 4`;
     const { held, doubted } = this.hands.deadman;
     if (doubted || (held && this.seat.deadman.state === "waiting")) return `${number} waits: let go of everything, then hold ${DEADMAN} again.`;
     if (!held) return `${number} waits: with the sticks at rest, hold ${DEADMAN}.`;

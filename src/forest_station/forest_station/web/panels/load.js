@@ -18,7 +18,7 @@ const instrument = makeInstrument(
     unit: "%",
     range: [0, 100],
     height: 72,
-    lines: [{ label: "load", signals: ["tip/load/share"], value: (share) => 100 * share }],
+    lines: [{ label: "of what may hang here", signals: ["tip/load/share"], value: (share) => 100 * share }],
   },
 );
 
@@ -33,7 +33,8 @@ export function mount(element, station) {
     setText(said, text);
   };
   const buttons = [makeButton("Grasp a log", () => act("grasp")), makeButton("Drop it", () => act("drop"))];
-  element.append(make("div", { className: "grapple" }, ...buttons, said));
+  const hint = make("p", { className: "hint" }, "At rest the seals hide some of the load: the first motion weighs it.");
+  element.append(hint, make("div", { className: "grapple" }, ...buttons, said));
   station.on("seat", ({ you_drive: drives }) => {
     for (const button of buttons) button.disabled = !drives;
   });

@@ -5,9 +5,11 @@ import { bar } from "../instruments/units.js";
 
 const SUPPLY = { label: "supply", signals: ["hydraulics/supply/pressure"], value: bar, colour: "#f4f7f5" };
 
+const ACTUATORS = { swing: "motor", boom: "cylinder", stick: "cylinder" };
+
 function ofAxis(axis) {
   const line = (port, where, dashed) => ({
-    label: dashed ? `${port} actuator` : `${axis} ${port}`,
+    label: `${axis} port ${port} at the ${dashed ? ACTUATORS[axis] : "valve"}`,
     signals: [`hydraulics/pressures/${axis}_${port}_${where}`],
     value: bar,
     colour: port === 1 ? "#5ec8ff" : "#ffb454",

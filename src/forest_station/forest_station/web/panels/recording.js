@@ -9,6 +9,7 @@ export const title = "Recordings";
 
 const LONGEST_MARK = 200;
 const MOST_ROWS = 50;
+const SLIGHT = 1e-3; // share of messages that may be lost of a bag that figures are taken from
 
 export function mount(element, station) {
   const state = make("p", { className: "state", role: "status" });
@@ -35,8 +36,12 @@ function recorder(station, ask) {
   return make("div", { className: "line" }, name, button);
 }
 
-function stateText({ active, name, seconds, bytes, text }) {
-  return active ? `${name}: ${clock(seconds)}, ${size(bytes)}. ${text}` : text;
+// How a recording goes, and what became of it: without each topic's losses, but with what they mean.
+export function stateText({ active, name, seconds, bytes, text }) {
+  if (active) return /^\d+:/.test(text) ? `${name}: ${text}` : `${name}: ${clock(seconds)}, ${size(bytes)}. ${text}`;
+  const short = text.replace(/(lost \d+)(?:, \d+ of [^,:]+)+/, "$1");
+  const [, written, lost] = /^recorded (\d+) messages.* lost (\d+)/.exec(short) ?? [];
+  return lost > SLIGHT * written ? `${short}. Too many are lost for figures.` : short;
 }
 
 function marker(station, ask) {

@@ -2,7 +2,7 @@
 
 import { make, makeButton, setText } from "../elements.js";
 import { handsOf } from "../hands/hands.js";
-import { deadmanState, driverText, isStanding, standingCause, whyText } from "../hands/why.js";
+import { deadmanState, driverText, isStanding, lostText, standingCause, whyText } from "../hands/why.js";
 import { momentOf } from "../replay/link.js";
 
 export const place = "top";
@@ -27,7 +27,7 @@ export function mount(element, station) {
 
 class Seat {
   constructor(station, hands, view) {
-    Object.assign(this, { station, hands, view, you: null, seat: null, stopped: false, isNew: true, parts: [], logged: null });
+    Object.assign(this, { station, hands, view, you: null, seat: null, stopped: false, isNew: true, parts: [], logged: null, lost: "" });
     const hear = (kind, act) =>
       station.on(kind, (detail) => {
         act(detail);
@@ -38,7 +38,10 @@ class Seat {
     hear("emergency_stop", ({ active }) => (this.stopped = active));
     hear("diagnostics", ({ parts }) => (this.parts = parts));
     hear("log", ({ text }) => isStanding(text) && (this.logged = { text, at: performance.now() }));
-    hear("close", () => (this.seat = null));
+    hear("close", (reason) => {
+      if (this.seat || reason) this.lost = lostText(reason);
+      this.seat = null;
+    });
     hands.addEventListener("change", () => this.paint());
   }
 
@@ -51,7 +54,7 @@ class Seat {
     setText(view.deadman, deadman.text);
     view.deadman.dataset.state = deadman.state;
     const cause = standingCause(this.parts, this.logged, performance.now());
-    setText(view.why, whyText(seat, { held, doubted, why, you: this.you }, this.stopped, this.#status(), cause));
+    setText(view.why, whyText(seat, { held, doubted, why, you: this.you, lost: this.lost }, this.stopped, this.#status(), cause));
     this.#offer(seat ? this.#choices(seat) : []);
   }
 

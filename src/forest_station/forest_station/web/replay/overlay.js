@@ -37,7 +37,7 @@ export function makeOverlay(replay, bags) {
   replay.addEventListener("change", follow);
   bags.addEventListener("change", follow);
   replay.addEventListener("moment", measure);
-  return make("div", { className: "overlay" }, make("label", {}, "ghost ", choice), details);
+  return make("div", { className: "overlay" }, make("label", {}, "compare with ", choice), details);
 }
 
 // Topics whose first message both bags tell.

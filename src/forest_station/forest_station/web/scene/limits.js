@@ -11,6 +11,7 @@ export class Limits {
   constructor(crane, walls) {
     this.crane = crane;
     this.walls = walls;
+    this.live = true; // false: a replay, where nobody can do anything
     this.trouble = ""; // why the controller stands still, in its words
   }
 
@@ -56,7 +57,8 @@ export class Limits {
     if (limit === LATE) say("late link: slower", tip);
     if (limit === RELEASED) {
       const held = signals.value("joy/button_left_shoulder") === 1;
-      shown.labels.push({ key: "limit", text: held ? "centre the sticks" : "hold the deadman to drive", at: tip, kind: "calm" });
+      const todo = held ? "centre the sticks" : "hold the deadman to drive";
+      shown.labels.push({ key: "limit", text: this.live ? todo : "the deadman is released", at: tip, kind: "calm" });
     }
   }
 

@@ -44,7 +44,8 @@ const hear = {
   signals({ names }) {
     state.signals = new Signals(names);
   },
-  frame({ time, values }) {
+  frame({ time, values, live }) {
+    state.picture.limits.live = live;
     state.signals.show(time, values);
     state.picture.push(state.signals);
   },

@@ -21,8 +21,8 @@ export class Reach {
     this.across.set([[0, 0, this.ground], foot]);
     this.upright.set([foot, [x, y, z]]);
     return [
-      label("reach", `${Math.hypot(x, y).toFixed(2)} m`, new Vector3(0.5 * x, 0.5 * y, this.ground)),
-      label("height", `${(z - this.ground).toFixed(2)} m`, new Vector3(x, y, 0.5 * (z + this.ground))),
+      label("reach", `reach ${Math.hypot(x, y).toFixed(2)} m`, new Vector3(0.5 * x, 0.5 * y, this.ground)),
+      label("height", `height ${(z - this.ground).toFixed(2)} m`, new Vector3(x, y, 0.5 * (z + this.ground))),
     ];
   }
 }

@@ -29,7 +29,8 @@ class View {
     this.tip = [NaN, NaN, NaN];
     this.cameras = new Cameras(canvas, scene);
     this.labels = new Labels(overlay(element, "labels"));
-    this.rate = overlay(element, "rate");
+    this.drawing = true; // a person may stop it: a busy computer drives better without
+    this.rate = this.#rateButton();
     this.rate.textContent = "the first picture is on its way";
     element.append(viewButtons(this.cameras), legend());
     this.painter = new Worker("/web/scene/painter.js", { type: "module" });
@@ -42,10 +43,10 @@ class View {
 
   #follow() {
     new ResizeObserver(() => this.#resize()).observe(this.element);
-    document.addEventListener("visibilitychange", () => this.#say({ kind: "visible", visible: !document.hidden }));
+    document.addEventListener("visibilitychange", () => this.#sayVisible());
     addEventListener("pagehide", () => this.cameras.keep());
     this.station.on("signals", () => this.#signals());
-    this.station.on("frame", ({ time, values }) => this.#sayValues({ kind: "frame", time }, values));
+    this.station.on("frame", ({ time, values }) => this.#sayValues({ kind: "frame", time, live: this.station.live }, values));
     this.station.on("ghost", (detail) => this.#ghost(detail));
     this.station.on("exercise", (exercise) => this.#exercise(exercise));
     this.station.on("taught", (taught) => this.#say({ kind: "taught", taught }));
@@ -65,6 +66,27 @@ class View {
     if (exercise && !("exercise" in this.element.dataset)) this.cameras.lookAt(exercise.corners, exercise.size);
     this.element.toggleAttribute("data-exercise", Boolean(exercise));
     this.#say({ kind: "exercise", exercise });
+  }
+
+  // The figure of the drawing, which stops it and lets it go on.
+  #rateButton() {
+    const button = document.createElement("button");
+    button.type = "button";
+    button.className = "rate";
+    button.title = "Pictures drawn, and their resolution. A click stops the drawing: a busy computer drives better without.";
+    button.addEventListener("click", () => {
+      this.drawing = !this.drawing;
+      this.element.toggleAttribute("data-undrawn", !this.drawing);
+      this.labels.show([]);
+      button.textContent = this.drawing ? "the next picture is on its way" : "The drawing is stopped: click to draw.";
+      this.#sayVisible();
+    });
+    this.element.append(button);
+    return button;
+  }
+
+  #sayVisible() {
+    this.#say({ kind: "visible", visible: this.drawing && !document.hidden });
   }
 
   // What is told each second goes to the painter when it changes.
@@ -147,6 +169,7 @@ class View {
 
   #hear(message) {
     if (message.kind === "failed") return this.#fail(message.text);
+    if (!this.drawing) return; // it was on its way
     this.tip = message.tip;
     this.labels.show(message.labels);
     this.rate.textContent = `${message.rate} ${message.rate === 1 ? "picture" : "pictures"}/s · ${Math.round(100 * message.share)} %`;

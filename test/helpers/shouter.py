@@ -1,0 +1,44 @@
+"""A stranger who talks on a command topic: full voltage, or a joystick at rest.
+
+python shouter.py TOPIC RATE_HZ    prints "shouting" and goes on until it is stopped
+"""
+
+import sys
+import time
+
+import rclpy
+from rclpy.node import Node
+
+from forest_control.operator.levers import AXIS_COUNT, BUTTON_COUNT
+from forest_msgs_py.interfaces import messages, topics
+from forest_msgs_py.interfaces.topic_qos import qos
+from forest_msgs_py.interfaces.topics import find, message_class
+from forest_msgs_py.runtime.environment import prepare_environment
+
+
+def main(name: str, rate_hz: float) -> None:
+    prepare_environment()
+    rclpy.init()
+    node, topic = Node("stranger", start_parameter_services=False), find(f"/{name}")
+    publisher = node.create_publisher(message_class(topic), name, qos(topic))
+    while not publisher.get_subscription_count():
+        time.sleep(0.01)
+    print("shouting", flush=True)
+    begun, said = time.monotonic(), 0
+    while rclpy.ok():
+        now = node.get_clock().now().nanoseconds
+        if topic == topics.JOY:
+            message = message_class(topic)(axes=[0.0] * AXIS_COUNT, buttons=[0] * BUTTON_COUNT)
+            message.header.stamp = messages.ns_to_stamp(now)
+        else:
+            message = messages.float_array(topic, now, (3.0, 3.0, 3.0))
+        publisher.publish(message)
+        said += 1
+        time.sleep(max(0.0, begun + said / rate_hz - time.monotonic()))
+
+
+if __name__ == "__main__":
+    try:
+        main(sys.argv[1], float(sys.argv[2]))
+    except (KeyboardInterrupt, rclpy.executors.ExternalShutdownException):
+        sys.exit(0)
