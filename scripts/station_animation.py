@@ -2,7 +2,7 @@
 """Film 10 s of the operator's page as docs/pictures/station.webp.
 
 scripts/setup.sh test
-scripts/demo.sh --lockstep
+scripts/demo.sh --lockstep --loads "500 kg from 0.5 s; 0 kg from 9 s"
 .venv/bin/python scripts/station_animation.py bags/demo/bag
 
 The page replays the bag, step by step, so that a slow computer films the same as a fast one.

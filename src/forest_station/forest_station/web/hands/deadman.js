@@ -5,7 +5,7 @@
 
 export const LONGEST_GAP_MS = 100; // between two looks at the hands; a page that hangs for longer has let go
 const [OFTEN, LATELY_MS] = [3, 60_000]; // times that a page hangs within, on a computer that is too busy
-const BUSY = `this computer is too busy to drive: the page hung ${OFTEN} times in a minute. Close other programs, make the window smaller, or stop the drawing (bottom right)`;
+const BUSY = "this computer is too busy to drive: close other programs, make the window smaller, or stop the drawing (bottom right)";
 
 export class Deadman {
   #holders = new Set();

@@ -5,6 +5,7 @@ import { COLOURS } from "./colours.js";
 import { Polyline } from "./polyline.js";
 
 const LINE = ["boom", "stick", "tip"]; // frames at the ends of the links
+const AMID = 0.35; // share of the boom at which the figure stands
 const SEEN = 0.005; // [m] at the tip, from which on it is worth a figure
 
 export class Bending {
@@ -26,7 +27,7 @@ export class Bending {
     const way = rigid.at(-1).distanceTo(this.crane.place("tip"));
     this.line.set(way > SEEN ? rigid.map((point) => point.toArray()) : []);
     if (way <= SEEN) return [];
-    const amid = new Vector3().lerpVectors(rigid[0], rigid[1], 0.6);
+    const amid = new Vector3().lerpVectors(rigid[0], rigid[1], AMID);
     return [{ key: "bending", text: `bends ${(100 * way).toFixed(0)} cm`, at: amid, kind: "rigid" }];
   }
 }

@@ -4,6 +4,8 @@ import { Group, Vector3 } from "../vendor/three.js";
 import { Polyline } from "./polyline.js";
 import { COLOURS } from "./colours.js";
 
+const LOW = 0.25; // share of the height at which its figure stands: the sway's is above it
+
 export class Reach {
   constructor(ground) {
     this.ground = ground;
@@ -22,7 +24,7 @@ export class Reach {
     this.upright.set([foot, [x, y, z]]);
     return [
       label("reach", `reach ${Math.hypot(x, y).toFixed(2)} m`, new Vector3(0.5 * x, 0.5 * y, this.ground)),
-      label("height", `height ${(z - this.ground).toFixed(2)} m`, new Vector3(x, y, 0.5 * (z + this.ground))),
+      label("height", `height ${(z - this.ground).toFixed(2)} m`, new Vector3(x, y, this.ground + LOW * (z - this.ground))),
     ];
   }
 }

@@ -73,6 +73,7 @@ class View {
     const button = document.createElement("button");
     button.type = "button";
     button.className = "rate";
+    button.textContent = "the first picture is on its way";
     button.title = "Pictures drawn, and their resolution. A click stops the drawing: a busy computer drives better without.";
     button.addEventListener("click", () => {
       this.drawing = !this.drawing;
