@@ -16,6 +16,14 @@ from forest_control.servo import coordinated_servo, schemes
 print(schemes.FULL_RATE, coordinated_servo.FULL_RATE, settings.control.lead)
 print(schemes.REST_RATE, coordinated_servo.REST_RATE)
 """
+GAINS = """
+from forest_control.servo.gain_rule import gains_by_rule
+from forest_description.machine import load_machine
+from forest_study.ablation.constants import changed
+before = gains_by_rule(load_machine("c180_hoses"))
+changed({"servo.gain_rule.HIGHEST_GAIN": (1.0, 1.0, 1.0)})
+print(before.feedback[1], gains_by_rule(load_machine("c180_hoses")).feedback[1])
+"""
 AT_RUNTIME = """
 from forest_study.ablation.constants import at_runtime, changed
 from forest_control.safety import sinking_joint
@@ -30,6 +38,11 @@ print(*(row[time.place] for time in sinking_joint.LONG), type(coordinated_servo.
 def test_a_change_reaches_who_imported_the_constant_and_nobody_who_has_one_of_the_same_name():
     done = subprocess.run([sys.executable, "-c", AFTER_A_CHANGE], capture_output=True, text=True, check=True)
     assert done.stdout.split() == ["0.2", "0.2", "0.1", "1.0", "0.0001"]
+
+
+def test_what_was_kept_of_a_computation_is_forgotten_when_a_constant_changes():
+    done = subprocess.run([sys.executable, "-c", GAINS], capture_output=True, text=True, check=True)
+    assert done.stdout.split() == ["5.0", "1.0"]
 
 
 def test_a_kernel_reads_changed_constants_when_it_runs():

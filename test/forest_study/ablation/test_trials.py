@@ -5,13 +5,11 @@ import json
 import numpy as np
 import pytest
 
-from forest_control.servo.gain_rule import gains_by_rule
 from forest_description.machine import load_machine
 from forest_msgs_py.types import PERIOD
 from forest_study.ablation import ablation_command
 from forest_study.ablation.constants import changed
 from forest_study.ablation.pushes import END, QUIET, activity, misjudged, push, pushed, rest
-from forest_study.ablation.trials import Trial, tried
 from forest_study.cli import main
 from forest_study.closed_loop.closed_loop import Trajectory
 
@@ -79,7 +77,7 @@ def answers(of):
 
 
 def test_a_table_of_constants_is_sorted_by_effect_and_tells_it_in_words(tmp_path, capsys, monkeypatch):
-    """The trials' own process is tested below; here only what is made of its figures."""
+    """Here only what is made of the trials' figures."""
 
     def figures(changes):
         look, near = changes.get("servo.inching.LOOK"), changes.get("servo.inching.NEAR")
@@ -119,16 +117,6 @@ def test_a_table_of_mechanisms_has_what_each_condition_gave(tmp_path, monkeypatc
     out = tmp_path / "ablation"
     assert main(["ablation", "--only", "holding", "--tilt", "0", "3", "--out", str(out)]) == 0
     assert "| holding | 1.00 | 2.00 | 3.0 | 4 | 0 7 | 5.0 6.0 |" in (out / "ablation.md").read_text()
-
-
-def test_a_change_acts_in_a_process_of_its_own():
-    """The rule for the gains is asked for here, too: what it keeps is forgotten there."""
-    before = gains_by_rule(load_machine("c180_hoses"))
-    changes = [{}, {"servo.gain_rule.HIGHEST_GAIN": (1.0, 1.0, 1.0)}, {}]
-    trials = [Trial("c180_hoses", change, ("slow",), 1, [(1.0, 0.0)]) for change in changes]
-    first, changed_one, last = tried(trials)
-    assert first == last != changed_one
-    assert gains_by_rule(load_machine("c180_hoses")) == before
 
 
 def test_a_name_that_no_constant_has_is_told(tmp_path, capsys):
