@@ -13,7 +13,10 @@ from forest_description.machine import Machine
 from forest_description.types import AXES, Floats, Vec3
 from forest_ident.measurements.parameter_path import with_part
 from forest_msgs_py.types import PERIOD
+from forest_study.ablation.constants import Settings
+from forest_study.closed_loop import loop_kernel
 from forest_study.closed_loop.closed_loop import Operator, Trajectory
+from forest_study.tracking.tracking import noisy
 
 PUSHED, RELEASED, QUIET, END = 0.5, 1.5, 4.0, 7.5  # [s] of a session; from `QUIET` on it should be at rest
 FULL_SPEED = 0.5  # [m/s] of the tip at full deflection
@@ -79,3 +82,12 @@ def misjudged(machine: Machine, share: float, axes: tuple[int, ...] = (0, 1, 2))
         believed = dataclasses.replace(valve, deadband_voltage=share * valve.deadband_voltage, backward=back)
         machine = with_part(machine, f"{AXES[axis]}.valve", believed)
     return machine
+
+
+def pushed(machine: Machine, seed: int, overlap: float, tilt: float, settings: Settings) -> Rest:
+    """Return what is left of a push of a crane on a slope [rad], its overlap misjudged."""
+    crane, given = machine.manipulator, push(machine, seed)
+    sloped = dataclasses.replace(crane, platform_tilt=crane.platform_tilt + tilt)
+    plant, model = dataclasses.replace(machine, manipulator=sloped), misjudged(machine, overlap)
+    suite = noisy(plant, seed)
+    return rest(loop_kernel.by_heart(plant, given.operator, END, given.start, *settings, model, suite))
