@@ -35,7 +35,7 @@ MACHINE = "c180"
 LINKS = load_machine(MACHINE).manipulator.links
 BEGUN, REST, AGAIN, ENDS = 2.5, 7.0, 7.8, 9.3  # [s]
 LATEST = 4.8  # [s] for a fault to begin
-KEPT = 5000  # messages
+KEPT, A_SECOND = 5000, 200  # messages; of the machine's state
 MET = 30.0  # [s]
 PLAYING = re.compile(r"\[(\d+\.\d+)\] \[joystick\]: playing for")
 Rows = list[tuple[float, Any]]  # when it was sent [s, time.time], and what
@@ -90,7 +90,7 @@ class Ears:
     def _number(self, number: int) -> None:
         """Count what is missing of the machine's state; who is started anew, or is another, counts anew."""
         missing = number - self._count - 1
-        self.lost += missing if self._count and 0 < missing < KEPT else 0
+        self.lost += missing if self._count and 0 < missing < A_SECOND else 0
         self._count = number
 
 

@@ -26,7 +26,7 @@ BEGINS, LASTS = 3.3, 1.0  # [s] the fault begins up to LASTS later than BEGINS, 
 FOUND = 2.5  # [s] until a second node of a name is found: it starts, and the supervisor looks once a second
 WAY = 0.6  # [m] of the tip, in any cell in which it stops
 ENDING = signal.SIGKILL, signal.SIGINT, signal.SIGTERM
-LOGGED = re.compile(r"^\[\w+\] \[[\d.]+\] |^graph: |^warning: ")
+LOGGED = re.compile(r"\[\w+\] \[[\d.]+\] |^graph: |^warning: | in ROS domain.*|/tmp/\S+ ?")
 NODES = {  # in the order of the data; seconds to zero voltage once a node is gone or hangs
     "joystick": 0.41,  # joy_timeout 0.15 s, then the stop along the path
     "controller": 0.11,  # command_timeout, and a period
@@ -212,7 +212,6 @@ def of_nodes() -> dict[str, Cell]:
         found[name] = found[name]._replace(told="played to its end", code=0)
     for name in ("joystick: last", "controller: last"):  # the joystick waits for the controller, then plays
         found[name] = found[name]._replace(zero=None)
-    found["valve_driver: last"] = found["valve_driver: last"]._replace(zero=None)  # gap: it obeys at once
     del found["joystick: restarted"]  # it plays anew, from centred levers
     goes_on = "the graph goes on without it"
     for number in ENDING:
@@ -247,7 +246,7 @@ def of_others() -> dict[str, Cell]:
         ),
         "disk full": Cell("the recorder's files cannot grow", supervised(full_disk), None, "cannot write", 1),
         "no memory": Cell("the controller gets no more memory, for a second", supervised(no_memory), None),
-        "hogs": Cell("twice as many busy processes as processors, for a second", supervised(hogs), None),
+        "hogs": Cell("twice as many busy processes as processors, for a second", supervised(hogs), math.inf),
     }
 
 
@@ -297,8 +296,12 @@ def table(found: Mapping[str, Sequence[Outcome]]) -> str:
 
 
 def _must(cell: Cell) -> str:
-    zero = "moves on" if cell.zero is None else f"zero in {cell.zero:g} s" if cell.zero else "stays at zero"
-    return zero + (", the graph ends" if cell.code == 1 and cell.zero is not None else "")
+    if cell.zero is None:
+        return "moves on"
+    if math.isinf(cell.zero):
+        return "may stop"
+    zero = f"zero in {cell.zero:g} s" if cell.zero else "stays at zero"
+    return zero + (", the graph ends" if cell.code == 1 else "")
 
 
 PAGE = """

@@ -7,8 +7,8 @@ In the order in which data passes:
 - `equations`: The equations of motion: states, constants, links and drive, put together from the
   parts' laws.
 - `half_step`: What a step knows of its middle: poppets, compensators, flow forces, the tank line.
-- `solver`: Steps in time of the equations of motion, implicit and of second order, interpreted or
-  compiled.
+- `stage`: One implicit stage of the equations of motion: hoses exactly, the rest by Newton.
+- `solver`: Steps in time, of two stages and second order, interpreted or compiled.
 - `sensors`: What the machine's sensors report of its true state.
 - `simulation`: Machines under way, with or without a graph: inputs, disturbances, energy, records,
   batches.

@@ -9,21 +9,18 @@ still holds them.
 import sys
 from collections.abc import Callable, Sequence
 from functools import partial
-from typing import Any
 
 from rclpy.node import Node
-from rclpy.qos import DurabilityPolicy
 
 from forest_msgs_py.interfaces import topics
-from forest_msgs_py.interfaces.topics import message_class
-from forest_msgs_py.introspection.graph_listener import DiscoveredTopic, GraphListener
+from forest_msgs_py.introspection.graph_listener import GraphListener
 from forest_msgs_py.introspection.parameter_mirror import ParameterMirror
 from forest_msgs_py.introspection.raw_publishers import is_installed
 from forest_msgs_py.introspection.raw_services import RawServices
 from forest_msgs_py.runtime.node import NodeFailure, publisher, run_node, timer
 from forest_msgs_py.runtime.node_parameters import declare
 from forest_viewers.server import client_requests
-from forest_viewers.server.client_requests import CallFailed, ClientRequests, Request
+from forest_viewers.server.client_requests import ClientRequests, Request
 from forest_viewers.server.client_view import ClientView, ServerError
 from forest_viewers.server.frame_channels import FrameChannels
 from forest_viewers.server.server_parameters import ServerParameters
@@ -45,10 +42,9 @@ class FoxgloveNode(Node):
         self._mirror = ParameterMirror(self, self._view.tell_parameters)
         self._calls = RawServices(self)
         self._frames = FrameChannels(self.resolve_topic_name, not is_installed(topics.TF.type))
-        self._listener = GraphListener(self, self._wanted, _nothing, self._refused)
-        stop = publisher(self, topics.EMERGENCY_STOP)
-        pressed = message_class(topics.EMERGENCY_STOP)(data=True)
-        self._button = StopButton(stop.topic_name, partial(stop.publish, pressed), self._view.warn)
+        self._listener = GraphListener(self, self._wanted, lambda _offer: None, self._refused)
+        stop, pressed = publisher(self, topics.EMERGENCY_STOP), topics.message_class(topics.EMERGENCY_STOP)
+        self._button = StopButton(stop.topic_name, partial(stop.publish, pressed(data=True)), self._view.warn)
         self._told: set[str] = set()
         timer(self, TURN, self._turn)
         timer(self, LOOK, self._look)
@@ -65,8 +61,8 @@ class FoxgloveNode(Node):
 
     def _look(self) -> None:
         """Offer what there is."""
-        found = dict(self.get_topic_names_and_types())
-        shown = {name: types[0] for name, types in found.items() if len(types) == 1 and "/_" not in name}
+        found = self.get_topic_names_and_types()
+        shown = {name: types[0] for name, types in found if len(types) == 1 and "/_" not in name}
         shown |= self._frames.offered(shown)
         for name in self._view.offer(shown):
             self._refused(name, f"is of {shown[name]}, which is not installed here")
@@ -90,7 +86,7 @@ class FoxgloveNode(Node):
         match request:
             case client_requests.Subscribed(topic):
                 self._view.want(topic)
-                self._forget(topic, self._is_latched)  # to hear anew what was said before this client came
+                self._forget(topic, self._listener.is_latched)  # what was said before is heard anew
                 self._listener.look()
             case client_requests.Unsubscribed(topic):
                 self._view.leave(topic)
@@ -100,7 +96,7 @@ class FoxgloveNode(Node):
             case client_requests.ParametersSet(values):
                 self._mirror.set(values, self._view.warn)
             case client_requests.ServiceCalled(name, data, answer):
-                self._calls.call(name, data, answer.set_result, partial(_fail, answer))
+                self._calls.call(name, data, answer.set_result, request.fail)
             case client_requests.Published():
                 self._button.hear(request)
 
@@ -109,22 +105,10 @@ class FoxgloveNode(Node):
             if due(name):
                 self._listener.forget(name)
 
-    def _is_latched(self, topic: str) -> bool:
-        offered = (end.qos_profile.durability for end in self.get_publishers_info_by_topic(topic))
-        return DurabilityPolicy.TRANSIENT_LOCAL in offered
-
     def _refused(self, name: str, reason: str) -> None:
         if name not in self._told:
             self._told.add(name)
             self.get_logger().info(f"not shown: {name} {reason}")
-
-
-def _nothing(_offer: DiscoveredTopic) -> None:
-    """The clients are told of a topic before anybody subscribes."""
-
-
-def _fail(answer: Any, sentence: str) -> None:
-    answer.set_exception(CallFailed(sentence))
 
 
 def main(args: list[str] | None = None) -> int:

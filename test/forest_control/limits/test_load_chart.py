@@ -69,6 +69,11 @@ def test_what_is_not_weighed_counts_as_all_that_is_allowed():
     near = pose_at((loader.manipulator.links.base_offset + 0.7, 0.0, -1.9), loader)
     told = loading(math.nan, near, loader.manipulator.links, load_moment.capacity(loader))
     assert told.share == 0.0  # or the crane could not get away from where nothing can be weighed
+    c180 = REAL.manipulator.links
+    for ahead, share in ((0.98, 0.0), (1.02, 1.0)):  # [m] of the tip from the boom's pivot
+        boom = 1.2  # [rad]
+        stick = math.acos((ahead - c180.boom * math.cos(boom)) / c180.stick) - boom
+        assert loading(math.nan, (0.4, boom, stick), c180, c).share == share
     assert loading(-50.0, q, links, c).share == 0.0
     told = loading(575.0, q, links, c)
     assert told.reach == pytest.approx(math.hypot(*tip_position(q, links)[:2]))
@@ -83,6 +88,15 @@ def test_the_numbers_are_what_the_documents_promise():
     empty = Loading(0.0, 5.0, 1000.0, 0.0009)
     assert allowed_speed(empty) == math.inf
     assert allowed_speed(empty._replace(share=0.0011)) == pytest.approx(5.0 * (1.0 / 0.0011 - 1.0))
+
+
+def test_nothing_is_known_of_what_was_not_looked_at_and_reach_has_no_sign():
+    assert Loading() == pytest.approx(Loading(math.nan, math.nan, math.inf, 0.0), nan_ok=True)
+    links = REAL.manipulator.links
+    behind = (0.0, 2.6, 0.0)  # boom and stick over the column
+    assert loading(0.0, behind, links, load_moment.capacity(REAL)).reach == pytest.approx(
+        math.hypot(*tip_position(behind, links)[:2])
+    )
 
 
 def test_at_the_capacity_each_part_that_loads_is_taken_away_and_no_other():
@@ -102,8 +116,27 @@ def test_joints_are_scaled_as_a_whole_and_the_load_at_the_column_is_that_of_any_
     load = loading(2000.0, q, links, load_moment.capacity(REAL))
     assert loading_share(q, (0.1, 0.0, 0.0), links, load) == 1.0
     assert loading_share(q, (0.0, 0.1, 0.0), links, load) == 0.0
+    assert loading_share(q, (0.2, 0.1, 0.0), links, load) == 0.0
     assert unloaded((0.0, 0.0, 1.0), (0.3, 0.0, 0.0), load, keeps_path=True)[1] == 0.0
     assert unloaded((0.0, 0.0, 1.0), (0.0, 0.3, 0.0), load, keeps_path=True)[1] == 1.0
+
+
+def test_a_chart_of_all_its_points_is_read_to_its_end():
+    count = load_moment.MOST_POINTS
+    full = load_moment.Capacity(
+        tuple(map(float, range(count))), tuple(1000.0 - 10.0 * k for k in range(count))
+    )
+    assert allowed_load(count - 1.5, full) == pytest.approx(1000.0 - 10.0 * (count - 1.5))
+    assert allowed_load(count + 3.0, full) == pytest.approx(1000.0 - 10.0 * (count - 1))
+
+
+def test_over_the_column_outward_is_ahead():
+    load = Loading(1000.0, 5.0, 1000.0, 0.98)
+    most = allowed_speed(load)
+    assert unloaded((0.0, 0.0, 1.0), (0.3, 0.0, 0.0), load, keeps_path=True)[1] == pytest.approx(most / 0.3)
+    assert unloaded((0.0, 0.0, 1.0), (0.3, 0.0, 0.0), load, keeps_path=False)[0] == pytest.approx(
+        (most, 0.0, 0.0)
+    )
 
 
 def test_a_motion_too_slow_to_be_one_passes():

@@ -64,3 +64,19 @@ def test_a_second_one_of_any_rate_is_found_with_the_next_message_of_the_first(ra
             known = heard(known, number, time)
             found += [time] if are_several(known, time) else []
         assert begin < found[0] <= begin + PERIOD
+
+
+def test_who_was_silent_for_half_a_second_has_left_and_the_stop_may_be_reset_half_a_second_after_two_talked():
+    for silent, several in ((0.45, True), (0.55, False)):
+        known = heard(heard(NOBODY, 7, 10.0), 1, 10.0 + silent - 0.01)
+        assert are_several(heard(known, 8, 10.0 + silent), 10.0 + silent) == several
+    known = heard(heard(heard(NOBODY, 7, 10.0), 1, 10.01), 8, 10.02)
+    assert are_several(known, 10.5)
+    assert not are_several(known, 10.54)
+
+
+def test_four_are_told_apart():
+    known = NOBODY
+    for k, number in enumerate((60, 50, 40, 30, 20, 10)):
+        known = heard(known, number, 10.0 + k * PERIOD)
+    assert [talker.number for talker in known.heard] == [40, 30, 20, 10]

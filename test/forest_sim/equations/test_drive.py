@@ -16,9 +16,9 @@ from forest_sim.mechanics.end_stop import end_stop_force
 from forest_sim.simulation.energy_account import account, unaccounted, with_stored_energy
 from forest_sim.solver import integrator, state_recording
 from forest_sim.solver.compiled_plant import compiled_record
-from forest_sim.solver.drive_stage import Contact, meshed_rate
 from forest_sim.solver.equilibrium import equilibrium
 from forest_sim.solver.state_recording import ENERGY, STATE
+from forest_sim.stage.drive_stage import Contact, meshed_rate
 
 REAL = load_machine("c180")
 POSE = (0.0, 0.4, -1.4)

@@ -24,8 +24,8 @@ from forest_sim.equations.plant_parameters import plant_parameters
 from forest_sim.equations.valve_ports import ports_at
 from forest_sim.solver.compiled_plant import compiled_advance
 from forest_sim.solver.equilibrium import equilibrium
-from forest_sim.solver.implicit_stage import solve_stage
 from forest_sim.solver.integrator import GAMMA, spools_after, step
+from forest_sim.stage.implicit_stage import solve_stage
 
 MODERATE, WIDE = (3.0, 2.5, -3.5), (9.0, 9.0, 9.0)
 CASES = {

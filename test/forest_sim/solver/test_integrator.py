@@ -16,8 +16,8 @@ from forest_sim.hydraulics.port import is_shut
 from forest_sim.hydraulics.spool_dynamics import Spool
 from forest_sim.solver.compiled_plant import compiled_advance
 from forest_sim.solver.equilibrium import equilibrium
-from forest_sim.solver.implicit_stage import solve_stage
 from forest_sim.solver.integrator import GAMMA, Simulation, spools_after, step
+from forest_sim.stage.implicit_stage import solve_stage
 
 C180, THESIS = load_machine("c180_hoses"), load_machine("c180_thesis")
 SCALE = np.tile([1.0, 1.0, 2e7, 2e7, 3e-3, 3e-3], 3)

@@ -122,10 +122,10 @@ def opening_at(s: float, curve: Curve) -> float:
     """
     if s <= 0.0 or curve.sort == LINEAR:
         return s
-    return _curved_opening(s, curve)
+    return curved_opening(s, curve)
 
 
-def _curved_opening(s: float, curve: Curve) -> float:
+def curved_opening(s: float, curve: Curve) -> float:
     """Return the opening u(s), 0 < s <= 1, of a polynomial or a table."""
     if curve.sort == POLYNOMIAL:
         ratio = 0.0
@@ -175,10 +175,10 @@ def leakage_at(spool_voltage: float, law: ValveLaw) -> Leakage:
     """Return what leaks past the edges at a spool position; arguments as ``edges``."""
     if law.edge_ratio == 1.0:
         return Leakage(law.leakage, 0.0)
-    return _overlap_leakage(spool_voltage, law)
+    return overlap_leakage(spool_voltage, law)
 
 
-def _overlap_leakage(spool_voltage: float, law: ValveLaw) -> Leakage:
+def overlap_leakage(spool_voltage: float, law: ValveLaw) -> Leakage:
     """Return what ``leakage_at`` does where it follows the overlap; not inlined."""
     forward = law.leakage * leakage_share(spool_voltage, law.forward.deadband_voltage, law.edge_ratio)
     backward = law.leakage * leakage_share(-spool_voltage, law.backward.deadband_voltage, law.edge_ratio)

@@ -101,6 +101,11 @@ class GraphListener:
         if watched is not None and watched.polled is not None:
             self._node.destroy_subscription(watched.polled.subscription)
 
+    def is_latched(self, name: str) -> bool:
+        """Return whether a publisher of a topic keeps its newest messages for who comes later."""
+        offered = (end.qos_profile.durability for end in self._node.get_publishers_info_by_topic(name))
+        return DurabilityPolicy.TRANSIENT_LOCAL in offered
+
     def context_ns(self) -> int:
         """Log time of what is told now beside messages [ns]."""
         return time.time_ns()

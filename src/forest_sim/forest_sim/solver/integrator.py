@@ -31,7 +31,7 @@ from forest_sim.hydraulics.supply import SupplyState
 from forest_sim.hydraulics.tank_line import pressure_after
 from forest_sim.mechanics.manipulator import Pair
 from forest_sim.solver.conserved_oil import settled, with_contents
-from forest_sim.solver.implicit_stage import solve_stage
+from forest_sim.stage.implicit_stage import solve_stage
 
 GAMMA = 1.0 - math.sqrt(0.5)
 WEIGHTS = (1.0 - GAMMA, GAMMA)

@@ -1,7 +1,7 @@
 """The machine code of the plant's steps: what it is made of, and where it is kept.
 
 The laws stay ordinary Python; here, and only here, they are handed to a compiler. Making the
-machine code takes some two seconds (`python -m forest_sim.compiled`). Loading it
+machine code takes some ten seconds (`python -m forest_sim.compiled`). Loading it
 (`forest_compile.kernel_cache`) takes some milliseconds. `compiled_plant` calls it.
 """
 
@@ -18,17 +18,10 @@ from forest_sim.equations.plant_parameters import PlantParameters, plant_paramet
 from forest_sim.half_step import compensator_step, holding_step, pushed_spools, tank_step
 from forest_sim.hydraulics import command_history, port, spool_dynamics, supply
 from forest_sim.mechanics import pendulum
-from forest_sim.solver import (
-    axis_stage,
-    conserved_oil,
-    drive_stage,
-    elastic_stage,
-    implicit_stage,
-    integrator,
-    power_flows,
-)
+from forest_sim.solver import conserved_oil, integrator, power_flows
 from forest_sim.solver.equilibrium import equilibrium
 from forest_sim.solver.integrator import Simulation
+from forest_sim.stage import axis_stage, drive_stage, elastic_stage, implicit_stage
 
 # What is seldom called, or only with the energy account: inlined, it would make the whole larger.
 NOINLINE = (
@@ -44,8 +37,8 @@ NOINLINE = (
     tank_step.returned_flow,
     supply.flow_after,
     axis_stage._solve_with_holding,
-    valve_characteristic._curved_opening,
-    valve_characteristic._overlap_leakage,
+    valve_characteristic.curved_opening,
+    valve_characteristic.overlap_leakage,
     implicit_stage._iterate_further,
     implicit_stage._equations_at_again,
     implicit_stage._iterate_elastic,

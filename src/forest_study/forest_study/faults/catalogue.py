@@ -57,8 +57,13 @@ JOYSTICKS = {
     ),
     "joystick flickers": Fault(
         "0.2 s of silence, 0.2 s of samples, and so on",
-        "Each silence is a loss, and the levers were not centred since. A taught cycle is paused, and held.",
-        _joystick(0.41, 0.19, JOYSTICK_LOST, 0.16) | {State.TAUGHT: Bound(way=0.25, told=JOYSTICK_LOST)},
+        "Each silence is a loss, and the levers were not centred since. A taught cycle is paused, and held."
+        " Standing, the levers are centred: the tip is held as before.",
+        _joystick(0.41, 0.19, JOYSTICK_LOST, 0.16)
+        | {
+            State.STANDING: Bound(way=0.005, told=JOYSTICK_LOST, again=False),
+            State.TAUGHT: Bound(way=0.25, told=JOYSTICK_LOST),
+        },
         joystick=wires.flickering,
     ),
     "joystick sends garbage": Fault(

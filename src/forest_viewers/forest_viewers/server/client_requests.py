@@ -50,6 +50,10 @@ class ServiceCalled(NamedTuple):
     request: bytes
     answer: Future[bytes]
 
+    def fail(self, sentence: str) -> None:
+        """Tell the client why there is no answer."""
+        self.answer.set_exception(CallFailed(sentence))
+
 
 Request = Subscribed | Unsubscribed | Published | ParametersSet | ServiceCalled
 

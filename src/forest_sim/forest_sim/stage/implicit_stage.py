@@ -18,14 +18,14 @@ from forest_sim.hydraulics.oil_law import held_above_vapour
 from forest_sim.hydraulics.supply import SupplyState, flow_after, manifold_oil
 from forest_sim.mechanics.friction import pressed
 from forest_sim.mechanics.manipulator import Pair
-from forest_sim.solver.axis_stage import AxisEnd, AxisSolution, corrected_axis, solve_axis
-from forest_sim.solver.drive_stage import (
+from forest_sim.stage.axis_stage import AxisEnd, AxisSolution, corrected_axis, solve_axis
+from forest_sim.stage.drive_stage import (
     DriveSolution,
     drive_after,
     solve_drive,
     through_gear,
 )
-from forest_sim.solver.elastic_stage import (
+from forest_sim.stage.elastic_stage import (
     ALL_STIFF,
     ElasticSolution,
     Rub,
@@ -36,7 +36,7 @@ from forest_sim.solver.elastic_stage import (
     solve_links,
     through_links,
 )
-from forest_sim.solver.supply_stage import (
+from forest_sim.stage.supply_stage import (
     UNBOUNDED,
     SupplyError,
     supply_error,

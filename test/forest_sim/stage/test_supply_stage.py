@@ -5,8 +5,9 @@ import pytest
 from forest_description.machine import load_machine
 from forest_sim.equations.plant_parameters import plant_parameters
 from forest_sim.half_step.load_sensing import load_weights
-from forest_sim.solver import implicit_stage, integrator
+from forest_sim.solver import integrator
 from forest_sim.solver.equilibrium import equilibrium
+from forest_sim.stage import implicit_stage
 
 CASES = [("loader", (0.0, 3.0, 0.0)), ("loader", (0.0, 0.0, -3.0)), ("forwarder", (0.0, 0.0, -3.0))]  # [V]
 

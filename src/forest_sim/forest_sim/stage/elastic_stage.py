@@ -18,8 +18,8 @@ from forest_sim.equations.plant import PlantState, at_joints
 from forest_sim.equations.plant_parameters import PlantParameters
 from forest_sim.mechanics.elasticity import ElasticLink, elastic_torque
 from forest_sim.mechanics.friction import FRICTIONLESS, Friction, friction_force, friction_slope
-from forest_sim.solver.drive_stage import DriveSolution
-from forest_sim.solver.supply_stage import SupplyError
+from forest_sim.stage.drive_stage import DriveSolution
+from forest_sim.stage.supply_stage import SupplyError
 
 
 class ElasticSolution(NamedTuple):

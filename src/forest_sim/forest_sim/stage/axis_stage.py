@@ -19,7 +19,7 @@ from forest_sim.hydraulics.oil_volume import StageHose, stage_hose
 from forest_sim.mechanics.end_stop import cushion_resistance, end_stop_resistance
 from forest_sim.mechanics.friction import friction_slope
 from forest_sim.mechanics.manipulator import Pair
-from forest_sim.solver.holding_stage import first_flow, held_hose, next_flow
+from forest_sim.stage.holding_stage import first_flow, held_hose, next_flow
 
 
 class AxisEnd(NamedTuple):

@@ -16,7 +16,7 @@ from forest_sim.equations.drive import DriveState
 from forest_sim.equations.plant_parameters import DriveLaws
 from forest_sim.mechanics.bristles import stuck_after
 from forest_sim.mechanics.end_stop import EndStop, end_stop_force, end_stop_resistance
-from forest_sim.solver.supply_stage import SupplyError
+from forest_sim.stage.supply_stage import SupplyError
 
 
 class DriveSolution(NamedTuple):

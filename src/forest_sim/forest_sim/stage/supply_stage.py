@@ -22,7 +22,7 @@ from forest_sim.hydraulics.supply import (
     reference_gain,
 )
 from forest_sim.mechanics.manipulator import Pair
-from forest_sim.solver.axis_stage import AxisSolution
+from forest_sim.stage.axis_stage import AxisSolution
 
 SUPPLY_TOLERANCE = 1e3  # [Pa] of Newton's last correction of P_s
 SUPPLY_SHARE = 1e-3  # of the absolute pressure, where oil holds air: the next one is some pascals
