@@ -10,6 +10,7 @@ believe the machine as its file has it. Both machines, and every row, get the sa
 | mm | its greatest way along the direction that it had, within 0.5 s |
 | beside | its greatest way beside that line, within 0.5 s |
 | rocks | of how many motions the tip was faster than 0.05 m/s at any time from 0.25 s to 1.5 s |
+| over | motions over 0.25 s / over 70 mm |
 | rock | its greatest distance from its mean place of 1 to 1.5 s, from 0.25 s on |
 
 Rows of the matrix draw another plant for every motion, as `forest-study matrix` does in its row "both".
@@ -53,7 +54,7 @@ MACHINES = ("c180_hoses", "loader")
 STREAM = 77  # of a motion's draws; a sensor suite's are others
 BEFORE, AFTER, JUDGED = 20, 300, 100  # periods at rest, recorded after the release, judged for the way
 SLOW = 0.05  # [m/s] a tenth of 0.5 m/s
-WITHIN = 0.25  # [s]
+WITHIN, NO_FARTHER = 0.25, 0.07  # [s], [m] of a stop
 CLEAR = math.radians(2.0)  # of the limits, where a motion starts
 
 
@@ -222,11 +223,13 @@ def cells(ended: list[Stop]) -> list[str]:
     def spread(values: Iterable[float], text: str) -> str:
         return " / ".join(format(x, text) for x in np.quantile(list(values), [0.5, 0.95, 1.0]))
 
+    late, far = sum(stop.time > WITHIN for stop in ended), sum(stop.way > NO_FARTHER for stop in ended)
     rocks = sum(stop.later >= SLOW for stop in ended) / len(ended)
     return [
         spread((stop.time for stop in ended), ".2f"),
         spread((1e3 * stop.way for stop in ended), ".0f"),
         spread((1e3 * stop.beside for stop in ended), ".0f"),
+        f"{late} / {far} of {len(ended)}",
         f"{rocks:.0%}".replace("%", " %"),
         spread((1e3 * stop.rock for stop in ended), ".0f"),
     ]
@@ -255,10 +258,10 @@ def main() -> None:
     ended: dict[str, dict[str, list[Stop]]] = {name: {} for name in options.machines}
     print(
         "| | "
-        + " | ".join(f"{name}, s | mm | beside, mm | rocks | rock, mm" for name in options.machines)
+        + " | ".join(f"{name}, s | mm | beside, mm | over | rocks | rock, mm" for name in options.machines)
         + " |"
     )
-    print("|---|" + "---|" * 5 * len(options.machines))
+    print("|---|" + "---|" * 6 * len(options.machines))
     for key in options.rows:
         line = [ROWS[key].title]
         for name in options.machines:

@@ -179,6 +179,8 @@ def test_a_random_motion_that_is_stopped_at_once_goes_less_far(benchmark):
     ended = stopping.stops("c180_hoses", stopping.ROWS["emergency"], 3)
     assert all(stop.shut == 0.0 and stop.way < 0.045 and stop.beside < 0.025 for stop in ended)
     assert any(stop.later > stopping.SLOW for stop in ended)
+    # Speed over the least angular frequency of the swing on one hose: 0.5 m/s at 2.3 Hz, the arm out.
+    assert all(stop.rock < 0.035 for stop in ended)
 
 
 class Sunk(NamedTuple):

@@ -392,6 +392,11 @@ def test_a_silent_driver_and_a_frozen_sensor_stop_the_crane_until_the_levers_wer
     peer.until(lambda: "swing is the same to the last bit" in r.process.text())
     r.joints = joints
     stands_and_goes_on_standing(lambda: None)
+    r.joy = centred  # which is no act behind a broken sensor
+    peer.until(lambda: "a fault is over; allowed: release the deadman" in r.process.text())
+    r.joy = lambda: joy(held=False)
+    r.commands.clear()
+    peer.until(lambda: len(r.commands) > 40)
     r.push()
 
 

@@ -6,9 +6,12 @@ from typing import Any
 import pytest
 from page_stand_in import Js
 
+from forest_control.config.profile_file import shipped
 from forest_control.operator import joystick_watch
 from forest_control.operator.levers import AXIS_COUNT, BUTTON_COUNT, LEFT_SHOULDER
+from forest_control.operator.operator_profile import Frame, Mode
 from forest_control.safety import motion_guard
+from forest_control.servo.schemes import Scheme
 from forest_control.valve import command_gate
 from forest_msgs_py.interfaces.topics import JOY_AXES, JOY_BUTTONS
 from forest_station.operator.hands import Hands, decode_hands, encode_hands
@@ -338,6 +341,16 @@ MESSAGES = (
 def test_every_message_of_our_nodes_has_something_to_do(js: Js, text: str) -> None:
     remedy = "(m, text) => m.remedy(text)"
     assert js("diagnostics/remedies.js", remedy, text) != js("diagnostics/remedies.js", remedy, "of others")
+
+
+def test_every_choice_that_is_made_while_driving_has_a_sentence(js: Js) -> None:
+    choices = [("profile", name) for name in shipped()]
+    for setting, kinds in (("scheme", Scheme), ("mode", Mode), ("axis_frame", Frame)):
+        choices += [(setting, kind.name.lower()) for kind in kinds]
+    said = js("settings/meanings.js", "(m, choices) => choices.map((one) => m.meaning(...one))", choices)
+    assert len(said) == 14
+    assert all(said)
+    assert js("settings/meanings.js", "m => m.meaning('tip_speed', 0.5)") == ""
 
 
 def test_troubles_are_told_the_worst_first_and_what_is_well_is_not(js: Js) -> None:

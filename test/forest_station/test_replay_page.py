@@ -160,14 +160,17 @@ def test_a_second_bag_is_laid_over_the_first(page, wait_until):
     page.wait_for_selector(f"#replay output:text('tips {later:.2f} m apart')")
 
 
-def test_a_shared_link_opens_the_moment_with_both_bags(page, address):
+def test_a_shared_link_opens_the_moment_with_both_bags(page, browser, address):
     link = page.url
     assert link == f"{address}#bag=coordinated&t=3.00&with=fault&offset=0.5"
-    page.goto("about:blank")
-    page.goto(link)
-    wait_for_tip(page, recorded_tip("coordinated", 3.0))
-    assert page.locator("#replay .time").inner_text() == "3.00 of 5.30 s"
-    assert page.locator("#replay .overlay select").first.input_value() == "fault"
+    other, errors = new_page(browser, LOW)
+    other.set_default_timeout(SHOWN_S)
+    other.goto(link)
+    wait_for_tip(other, recorded_tip("coordinated", 3.0))
+    assert other.locator("#replay .time").inner_text() == "3.00 of 5.30 s"
+    assert other.locator("#replay .overlay select").first.input_value() == "fault"
+    assert errors == []
+    other.close()
 
 
 def test_one_click_leads_back_to_the_live_crane(page, address, wait_until):

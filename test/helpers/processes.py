@@ -142,7 +142,10 @@ class ForkedNode(Told):
 
 
 class ForkedPopen:
-    """What `subprocess.Popen` is to a supervisor that was forked itself: its node is forked from it."""
+    """What `subprocess.Popen` is to a supervisor that was forked itself: its node is forked from it.
+
+    Not of a program that speaks ROS before it starts nodes: the middleware does not outlive a fork.
+    """
 
     def __init__(self, argv: list[str], stdout: Any, env: dict[str, str], **_: Any) -> None:
         _python, _m, module, *arguments = argv

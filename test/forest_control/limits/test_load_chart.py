@@ -5,15 +5,19 @@ import math
 import numpy as np
 import pytest
 
+from forest_control.config import controller_settings
 from forest_control.limits import load_moment
 from forest_control.limits.load_moment import (
     Loading,
     allowed_load,
     allowed_speed,
+    believed_mass,
     loading,
     loading_share,
     unloaded,
 )
+from forest_control.pipeline.control_state import REST
+from forest_control.pipeline.controller import counted_angles
 from forest_description.derived.limits import pose_at
 from forest_description.geometry.kinematics import tip_position
 from forest_description.machine import load_machine
@@ -143,3 +147,24 @@ def test_a_motion_too_slow_to_be_one_passes():
     full = Loading(1000.0, 6.5, 1000.0, 1.0)
     slow = (0.9 * load_moment.NEGLIGIBLE_SPEED, 0.0, 0.0)
     assert unloaded(TIP, slow, full, keeps_path=False) == (slow, 1.0)
+
+
+def test_a_mass_that_no_crane_can_carry_is_not_believed():
+    p = controller_settings.parameters(REAL, controller_settings.Settings())
+    head, allowed = 700.0, 1150.0  # [kg] of the file; the latter from 6 m on
+    q = pose_at((7.5, 0.0, 0.0), REAL)
+
+    def believed(mass, chart=p.capacity):
+        return believed_mass(mass, head, q, p.links, chart)
+
+    assert believed(5000.0) == 1.25 * allowed
+    assert [believed(mass) for mass in (-700.0, 0.0, allowed)] == [-700.0, 0.0, allowed]
+    assert believed(-2000.0) == -700.0
+    assert math.isnan(believed(math.nan))
+    assert believed(5000.0, load_moment.NO_CAPACITY) == 5000.0
+
+    def tip(mass):
+        state = REST._replace(weighing=REST.weighing._replace(mass=mass))
+        return tip_position(counted_angles(q, state, p), p.links)
+
+    assert math.dist(tip(0.0), tip(5000.0)) < 0.05  # 0.13 m if it were

@@ -1,5 +1,6 @@
 """The load is weighed by the boom's pressures: over poses, in slow motion, with sensors as they are."""
 
+import dataclasses
 import math
 
 import numpy as np
@@ -34,13 +35,17 @@ REAL = load_machine("c180")
 STROKES = ((0.0, 0.0, 0.2), (0.0, 0.0, -0.2), (0.2, 0.0, 0.0), (-0.2, 0.2, 0.0))  # [m/s] of the tip
 
 
-def slow_motion(name, mass, tip, seed):
-    """The masses that are told while the tip goes to and fro, from 1 s after its first motion on."""
+def slow_motion(name, mass, tip, seed, rate=200.0):
+    """The masses that are told while the tip goes to and fro, from 1 s after its first motion on.
+
+    Its sensors are sampled at a rate [Hz].
+    """
     machine, told = load_machine(name), []
     plant = loaded(plant_parameters(machine), machine.manipulator, Load(mass))
     control = controller_settings.parameters(machine, controller_settings.Settings())
     drive = valve_driver_parameters.parameters(machine, valve_driver_parameters.Settings())
-    suite = sensor_suite(machine, noise=True, seed=seed)
+    sampled = dataclasses.replace(machine, sensors=dataclasses.replace(machine.sensors, sample_rate=rate))
+    suite = sensor_suite(sampled, noise=True, seed=seed)
     loop = ClosedLoop(plant, control, drive, pose_at(tip, machine), suite, fast=True)
     for k in range(1200):
         part, phase = divmod(k - 100, 275)
@@ -59,6 +64,11 @@ def slow_motion(name, mass, tip, seed):
 def test_in_slow_motion_the_load_is_weighed_within_five_per_cent(name, mass, within, tip):
     told = slow_motion(name, mass, tip, seed=int(10.0 * tip[0]))
     assert abs(told - mass).max() < within
+
+
+@pytest.mark.parametrize(("name", "mass"), [("c180_hoses", 500.0), ("c180", 1000.0)])
+def test_with_sensors_at_50_hz_the_load_is_weighed_as_well(name, mass):
+    assert abs(slow_motion(name, mass, (6.0, 1.0, 1.5), 60, rate=50.0) - mass).max() < 0.05 * mass
 
 
 @pytest.mark.parametrize("name", ["c180_hoses", "c180", "forwarder", "loader"])

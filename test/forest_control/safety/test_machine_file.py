@@ -88,6 +88,36 @@ def test_a_valve_that_is_piped_the_other_way_is_named_within_two_seconds_and_a_t
     assert np.abs(ways)[signs.index(-1.0)] < 2.0 * PROVEN
 
 
+def blind(loop):
+    """Take the cylinders' transducers away: `loader` has none."""
+    sense = loop._sense
+
+    def seen():
+        told = sense()
+        swing, *_ = told.actuators.position
+        return told._replace(actuators=told.actuators._replace(position=(swing, math.nan, math.nan)))
+
+    loop._sense = seen
+    return loop
+
+
+@pytest.mark.parametrize(
+    ("machine", "model", "said"),
+    [
+        ("loader", "c180", "the pressures bear less than boom and stick weigh"),
+        ("loader", "forwarder", "the pressures bear less than boom and stick weigh"),
+        ("c180_hoses", "loader", "times as fast as commanded"),
+        ("c180_hoses", "forwarder", "times as fast as commanded"),
+        ("forwarder", "loader", "times as fast as commanded"),
+    ],
+)
+def test_without_transducers_another_machine_is_named_within_two_seconds_of_motion(machine, model, said):
+    (when, why), _ = driven(blind(loop_of(load_machine(machine), load_machine(model))), ALL)
+    assert when < 2.0
+    assert why.startswith("machine file: ")
+    assert said in why
+
+
 def test_a_wrong_cylinder_geometry_is_named():
     mounted = dataclasses.replace(C180.boom, angle_offset=C180.boom.angle_offset + 0.15)
     (when, why), ways = driven(loop_of(C180, dataclasses.replace(C180, boom=mounted)), ALL)

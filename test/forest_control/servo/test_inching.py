@@ -9,8 +9,11 @@ RATE, COMMAND = 0.06, 0.3  # U [rad/s] of how many volts
 CROSSED = 6.0  # [V] to cross an overlap to and fro
 
 
-def at_rest(error, misjudged, duration, sinks=0.0, fed=False, free_way=0.0):
-    """Return the error's course [rad] and when inches began [s]; thought too wide by [V]."""
+def at_rest(error, misjudged, duration, sinks=0.0, fed=False, free_way=0.0, pushed=(1e9, 0.0)):
+    """Return the error's course [rad] and when inches began [s]; thought too wide by [V].
+
+    From a time [s] on the joint is pushed away [rad] within half a second, its valve shut.
+    """
     i, errors, begun = MOVING, [error], []
     for k in range(round(duration / DT)):
         shut = i.rate == 0.0 and not fed
@@ -19,6 +22,7 @@ def at_rest(error, misjudged, duration, sinks=0.0, fed=False, free_way=0.0):
         if i.rate != 0.0 and before == 0.0:
             begun.append(k * DT)
         sign = (i.rate > 0.0) - (i.rate < 0.0)
+        error += pushed[1] / 0.5 * DT * (pushed[0] <= k * DT < pushed[0] + 0.5)
         error += DT * sinks - DT * sign * max(0.0, abs(i.rate) + misjudged * RATE / COMMAND * (i.rate != 0.0))
         errors.append(error)
     return errors, begun
@@ -69,3 +73,15 @@ def test_whatever_happens_the_valve_crosses_its_overlap_ever_more_seldom():
 
 def test_an_actuator_that_is_fed_is_left_to_the_servo():
     assert at_rest(5e-3, 0.0, 5.0, fed=True)[1] == []
+
+
+def test_a_joint_that_a_load_pushes_away_is_looked_at_anew_however_long_it_has_rested():
+    """An overlap that no inch crosses has made it wait for 30 s between two inches."""
+    *_, before, last = at_rest(2e-3, -2.0, 200.0)[1]
+    assert last - before > 25.0
+    then = last + 3.0
+    begun = at_rest(2e-3, -2.0, 230.0, pushed=(then, 4e-3))[1]
+    assert min(time for time in begun if time > then) < then + 1.0
+    errors, begun = at_rest(0.0, 0.0, 70.0, pushed=(60.0, 4e-3))
+    assert abs(errors[round(62.5 / DT)]) < NEAR
+    assert len(begun) < 6

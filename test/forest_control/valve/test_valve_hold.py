@@ -147,6 +147,14 @@ def test_at_rest_a_valve_that_feeds_what_leaks_stays_on_its_side(sign):
     assert step(moved(sign), -sign * 0.05, side=sign)[1] == -sign * 0.05
 
 
+@both_ways
+def test_a_command_that_turns_round_takes_a_valve_that_feeds_back_into_its_overlap(sign):
+    fed, _ = feed(SHUT, sign * 0.05, 1.0, side=sign)
+    kept, said = feed(fed, -sign * 0.03, 2.0, side=sign)
+    assert (kept.way, said[0], said[-1]) == (sign, -sign * 0.03, -sign * 0.03)
+    assert feed(fed, -sign * 0.03, 2.0)[0].way == -sign  # nothing leaks any more
+
+
 def test_what_holds_one_way_holds_the_other():
     rng = np.random.default_rng(51)
     for scale in (0.02, 0.05, 0.2):

@@ -132,6 +132,15 @@ def test_what_cannot_be_written_is_said_before_the_fit_and_nothing_is_overwritte
         assert f"{option} {tmp_path / path}: cannot be written" in capsys.readouterr().err
 
 
+def test_a_choice_without_a_record_that_decides_is_refused_before_the_fit(
+    bags, tmp_path, capsys, monkeypatch
+):
+    monkeypatch.setattr(identification, "identify", lambda *_args, **_options: pytest.fail("too late"))
+    asked = ["fit", str(bags / "valve"), "--allow", "friction", "--out", str(tmp_path / "found.yaml")]
+    assert main(asked) == 1
+    assert "--allow friction: no record is held out to decide by" in capsys.readouterr().err
+
+
 @pytest.mark.parametrize("file", ["bag_0.mcap", "bag_0.db3", "bag_0.mcap.zstd", "bag_0.db3.zstd"])
 def test_a_record_of_rosbag2s_is_a_bag_in_each_of_its_kinds(file, tmp_path):
     bag = tmp_path / "records" / "valve"

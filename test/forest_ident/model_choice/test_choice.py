@@ -6,9 +6,12 @@ import pytest
 from forest_description.machine import load_machine
 from forest_ident.driving.simulated_experiment import experiment
 from forest_ident.measurements.session import Session, SessionError
-from forest_ident.model_choice import candidates
+from forest_ident.model_choice import candidates, residual_patterns
 from forest_ident.model_choice.choice import chosen
-from forest_ident.refinement.result import Result
+from forest_ident.output_error.fit_problem import Fit
+from forest_ident.output_error.gaussian_estimate import EMPTY
+from forest_ident.output_error.residual_test import ResidualTest
+from forest_ident.refinement.result import Refined, Result
 from forest_ident.report import machine_writer
 
 PLAIN = load_machine("c180_hoses")
@@ -44,9 +47,28 @@ def test_what_the_start_has_is_not_added_again(held_out):
     assert found.remarks == ["--allow friction: the start has dry friction already"]
 
 
-def test_nothing_is_allowed_without_a_record_that_decides():
-    with pytest.raises(SessionError, match="no record is held out"):
-        chosen(PLAIN, told, ["friction"])
+def with_stranger(machine, held_out=(), times=40.0):
+    """Returns a fit of which one record is not explained, as others are."""
+    found = told(machine, held_out)
+    found.stranger = "" if machine.boom.friction is not None else "damping_boom"
+    found.remarks = ["damping_boom: the model does not explain this record: 1 Pa are left."]
+    left = ResidualTest("boom_resolver", times * 1e-3, times, 1000, 0.9)
+    session = Session("damping_boom", np.arange(3.0), np.zeros((3, 3)), {})
+    found.refined = [Refined(session, Fit({}, {}, 1.0, EMPTY, {}, {}, 1, {}), (), [left])]
+    return found
+
+
+def test_a_record_that_contradicts_the_others_does_not_take_the_allowed_physics_their_turn(held_out):
+    assert chosen(PLAIN, lambda start: with_stranger(start, held_out), ["friction"]).machine == SEALED
+
+
+def test_a_stranger_by_far_that_looks_like_no_physics_is_refused_and_another_is_kept(monkeypatch):
+    with pytest.raises(SessionError, match=r"damping_boom: the model does not explain .* leave this one out"):
+        chosen(PLAIN, with_stranger, [])
+    assert chosen(PLAIN, lambda start: with_stranger(start, times=8.0), []).stranger == "damping_boom"
+    named = residual_patterns.Finding("damping_boom", candidates.CANDIDATES[0], 0.8, 1.0)
+    monkeypatch.setattr(residual_patterns, "findings", lambda _result: [named])
+    assert chosen(PLAIN, with_stranger, []).remarks[-1] == named.sentence()
 
 
 def test_a_model_that_cannot_be_fitted_or_compared_is_not_kept_and_says_why():

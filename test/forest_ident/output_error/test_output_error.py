@@ -1,6 +1,7 @@
 import numpy as np
 import pytest
 
+from forest_ident.output_error import output_error
 from forest_ident.output_error.fit_problem import Channel, Unknown
 from forest_ident.output_error.gaussian_estimate import condition_number, inflation
 from forest_ident.output_error.output_error import fit
@@ -68,6 +69,13 @@ def test_derivatives_are_kept_where_the_model_is_nearly_straight():
     found = fit(counted, {"y": y}, [Channel("y", 0.05)], [Unknown("size", 2.01), Unknown("rate", 3.02)])
     assert found.iterations >= 2
     assert len(calls) <= 1 + 2 + found.iterations
+
+
+def test_a_search_that_ends_by_its_last_step_says_so(monkeypatch):
+    monkeypatch.setattr(output_error, "ITERATIONS", 1)
+    assert not fitted(0.0, 0, Channel("y", 1e-9)).converged
+    monkeypatch.undo()
+    assert fitted(0.0, 0, Channel("y", 1e-9)).converged
 
 
 def test_residuals_that_hang_together_widen_the_errors():

@@ -95,6 +95,21 @@ def test_one_record_that_contradicts_all_others_is_a_stranger_and_two_are_a_mode
     assert data_quality.stranger({"valve": good, "damping_boom": bad}) == ""
 
 
+def test_a_record_that_contradicts_the_others_is_no_trust():
+    result = result_with()
+    result.stranger = "damping_boom"
+    said = verdict(result)
+    assert (said.code, said.lines[1][:38]) == (NOT_TRUSTED, "damping_boom: it alone is not explaine")
+
+
+def test_a_search_that_was_broken_off_is_a_doubt_of_what_it_looked_for():
+    result = result_with()
+    result.refined = [r._replace(fit=FIT._replace(converged=False, iterations=20)) for r in result.refined]
+    said = verdict(result)
+    assert (said.code, list(said.doubts)) == (BUT_FOR, ["boom.damping"])
+    assert "broken off after 20 steps" in said.lines[1]
+
+
 @pytest.mark.parametrize("withheld", [False, True])
 def test_the_sources_of_a_machine_file_say_so(withheld, tmp_path):
     from forest_ident.report import machine_writer

@@ -16,6 +16,14 @@ from forest_control.servo import coordinated_servo, schemes
 print(schemes.FULL_RATE, coordinated_servo.FULL_RATE, settings.control.lead)
 print(schemes.REST_RATE, coordinated_servo.REST_RATE)
 """
+GAINS = """
+from forest_control.servo.gain_rule import gains_by_rule
+from forest_description.machine import load_machine
+from forest_study.ablation.constants import changed
+before = gains_by_rule(load_machine("c180_hoses"))
+changed({"servo.gain_rule.HIGHEST_GAIN": (1.0, 1.0, 1.0)})
+print(before.feedback[1], gains_by_rule(load_machine("c180_hoses")).feedback[1])
+"""
 AT_RUNTIME = """
 from forest_study.ablation.constants import at_runtime, changed
 from forest_control.safety import sinking_joint
@@ -32,6 +40,11 @@ def test_a_change_reaches_who_imported_the_constant_and_nobody_who_has_one_of_th
     assert done.stdout.split() == ["0.2", "0.2", "0.1", "1.0", "0.0001"]
 
 
+def test_what_was_kept_of_a_computation_is_forgotten_when_a_constant_changes():
+    done = subprocess.run([sys.executable, "-c", GAINS], capture_output=True, text=True, check=True)
+    assert done.stdout.split() == ["5.0", "1.0"]
+
+
 def test_a_kernel_reads_changed_constants_when_it_runs():
     done = subprocess.run([sys.executable, "-c", AT_RUNTIME], capture_output=True, text=True, check=True)
     assert done.stdout.split() == ["0.2", "0.2", "0.2", "0.5", "0.1", "0.1", "int"]
@@ -43,6 +56,7 @@ def test_constants_of_a_room_and_settings_of_a_node_are_found():
     assert found["controller.feedback_gain"][1] == 5.0
     assert "servo.coordinated_servo.FULL_RATE" not in found  # imported: it has one home
     assert "controller.anti_sway" not in found  # no number
+    assert "servo.coordinated_servo.MOST_SAMPLES" not in found  # a size
 
 
 @pytest.mark.parametrize("name", ["servo.inching.LOOKS", "servo.nowhere.LOOK", "controller.leads", "LOOK"])
@@ -54,5 +68,3 @@ def test_an_unknown_name_is_refused_with_an_example(name):
 def test_numbers_are_scaled_as_what_they_are():
     assert scaled(0.5, 2.0) == 1.0
     assert scaled((1.0, 2.0), 0.5) == (0.5, 1.0)
-    assert scaled(50, 0.5) == 25
-    assert isinstance(scaled(50, 0.5), int)

@@ -9,8 +9,7 @@ from forest_description.machine import load_machine
 from forest_msgs_py.types import PERIOD
 from forest_study.ablation import ablation_command
 from forest_study.ablation.constants import changed
-from forest_study.ablation.pushes import END, QUIET, activity, misjudged, push, rest
-from forest_study.ablation.trials import Figures, pushed
+from forest_study.ablation.pushes import END, QUIET, activity, misjudged, push, pushed, rest
 from forest_study.cli import main
 from forest_study.closed_loop.closed_loop import Trajectory
 
@@ -40,6 +39,12 @@ def test_only_a_valve_that_moves_when_it_should_be_quiet_cycles(until, cycles):
     assert rest(trajectory(volts, 0.0)).cycles == cycles
 
 
+def test_the_dither_of_a_valve_that_feeds_is_no_cycle():
+    volts = 1.0 + 0.1 * np.sin(2.0 * np.pi * 50.0 * TIME)
+    assert activity(trajectory(volts, 0.0).voltages) > 10.0
+    assert not rest(trajectory(volts, 0.0)).cycles
+
+
 def test_the_error_at_rest_is_a_mean_over_half_a_second():
     rocking = 0.003 + 0.01 * np.sin(2.0 * np.pi * 8.0 * TIME)
     tip = np.where(QUIET - 1.0 < TIME, rocking, 0.0)
@@ -63,31 +68,58 @@ def test_a_hold_zone_that_is_gone_lets_the_valves_cycle():
     assert pushed(load_machine("c180_hoses"), 0, 1.1, 0.0, settings).cycles
 
 
-def test_a_table_from_the_command_line(tmp_path, capsys, monkeypatch):
-    """The trials' own process is the one above; here only what is made of its figures."""
-    usual = Figures(
-        paths_mm=1.0, governed_mm=2.0, slow_mm_s=3.0, volts_s=4.0, cycles=[0, 0], rest_mm=[5.0, 5.0]
-    )
-    answers = {0.175: usual._replace(cycles=[0, 7]), 0.7: None}
-    monkeypatch.setattr(
-        ablation_command, "tried", lambda t: answers.get(next(iter(t.changes.values()), None), usual)
-    )
+USUAL = {"slow, mm/s": 6.0, "cycles, 1.1": 2.0, "rest, 1.1, mm": 5.0, "stop, s": 0.20}
+
+
+def answers(of):
+    """Return a `tried` whose figures are those of a function of the changes."""
+    return lambda trials: [of(trial.changes) for trial in trials]
+
+
+def test_a_table_of_constants_is_sorted_by_effect_and_tells_it_in_words(tmp_path, capsys, monkeypatch):
+    """Here only what is made of the trials' figures."""
+
+    def figures(changes):
+        look, near = changes.get("servo.inching.LOOK"), changes.get("servo.inching.NEAR")
+        if look == 0.175:
+            return None
+        more = {"cycles, 1.1": 7.0} if look else {"slow, mm/s": 6.1} if near else {}
+        return {**USUAL, **more}
+
+    monkeypatch.setattr(ablation_command, "tried", answers(figures))
     out = tmp_path / "ablation"
-    given = ["--constants", "servo", "--only", "inching.LOOK", "--tilt", "0", "3", "--out", str(out)]
+    given = ["--constants", "servo", "--only", "inching", "--out", str(out)]
     assert main(["ablation", *given]) == 0
     table = (out / "ablation.md").read_text().splitlines()
-    assert [line.split(" | ")[0] for line in table[2:]] == [
-        "| servo.inching.LOOK × 2",
-        "| servo.inching.LOOK × 0.5",
-        "| nothing",
-    ]
-    assert "control failed" in table[2]
+    assert table[2] == "| `servo.inching.LOOK` | 0.35 | control fails | cycles, 1.1 2 → 7 |"
+    assert "| `servo.inching.NEAR` | 0.0003 | little | little |" in table
+    assert "| `servo.inching.FAR` | 0.0008 | none | none |" in table
     told = json.loads((out / "ablation.json").read_text())["without"]
-    assert told["servo.inching.LOOK × 0.5"]["cycles"] == [0, 7]
-    assert "failed" in capsys.readouterr().out
+    assert told["servo.inching.LOOK × 2"]["cycles, 1.1"] == 7.0
+    assert "| control fails |" in capsys.readouterr().out
+
+
+def test_what_chance_does_is_no_effect(tmp_path, monkeypatch):
+    def figures(changes):
+        filling = changes.get("valve.valve_driver.FILLING")
+        return {**USUAL, "rest, 1.1, mm": 9.0 if filling else 8.0 if changes else 5.0}
+
+    monkeypatch.setattr(ablation_command, "tried", answers(figures))
+    given = ["--constants", "servo", "--only", "LOOK", "--out", str(tmp_path / "ablation")]
+    assert main(["ablation", *given]) == 0
+    assert "LOOK` | 0.35 | little | little |" in (tmp_path / "ablation" / "ablation.md").read_text()
+
+
+def test_a_table_of_mechanisms_has_what_each_condition_gave(tmp_path, monkeypatch):
+    paths = {"cross-track, mm": 1.0, "governed, mm": 2.0, "slow, mm/s": 3.0, "V/s": 4.0}
+    pushes = {"cycles, 1": 0.0, "rest, 1, mm": 5.0, "cycles, 1 at 3°": 7.0, "rest, 1 at 3°, mm": 6.0}
+    monkeypatch.setattr(ablation_command, "tried", answers(lambda _: {**paths, **pushes}))
+    out = tmp_path / "ablation"
+    assert main(["ablation", "--only", "holding", "--tilt", "0", "3", "--out", str(out)]) == 0
+    assert "| holding | 1.00 | 2.00 | 3.0 | 4 | 0 7 | 5.0 6.0 |" in (out / "ablation.md").read_text()
 
 
 def test_a_name_that_no_constant_has_is_told(tmp_path, capsys):
     given = ["--constants", "servo", "--only", "NOWHERE", "--out", str(tmp_path / "out")]
     assert main(["ablation", *given]) == 1
-    assert "no constant or mechanism of these has 'NOWHERE' in its name" in capsys.readouterr().err
+    assert "no constant of these has NOWHERE in its name" in capsys.readouterr().err

@@ -13,6 +13,7 @@ from forest_description.components.valve_parameters import BackwardValve
 from forest_description.derived.limits import joint_limits
 from forest_description.machine import load_machine
 from forest_msgs_py.types import PERIOD
+from forest_study.ablation import pushes
 from forest_study.closed_loop import loop_kernel
 from forest_study.closed_loop.closed_loop import Operator
 from forest_study.closed_loop.loop_kernel import by_heart as run
@@ -55,6 +56,20 @@ def test_an_overlap_over_compensated_by_a_tenth_makes_no_limit_cycle(scheme, see
     swing = moved.angles[round(4.0 / PERIOD) :, 0]
     assert np.ptp(swing) < 1e-3  # 6 mm of the tip
     assert variation(moved, 4.0)[0] < 0.5
+
+
+@pytest.mark.parametrize(("overlap", "seed"), [(0.8, 0), (1.1, 0), (1.1, 3), (1.2, 0)])
+def test_on_a_slope_what_leaks_is_fed_without_strokes_though_the_overlap_is_misjudged(overlap, seed):
+    """A valve that jumped over such an overlap opened and shut three times a second."""
+    crane, given = C180.manipulator, pushes.push(C180, seed)
+    tilted = dataclasses.replace(C180, manipulator=dataclasses.replace(crane, platform_tilt=np.radians(3.0)))
+    settings, driver = controller_settings.Settings(), valve_driver_parameters.Settings()
+    model, suite = pushes.misjudged(C180, overlap), noisy(tilted, seed)
+    moved = run(tilted, given.operator, pushes.END, given.start, settings, driver, model, suite)
+    swing, volts = (x[round(pushes.QUIET / PERIOD) :, 0] for x in (moved.angles, moved.voltages))
+    assert np.ptp(swing) < 1e-3  # 6 mm of the tip
+    assert np.all(volts != 0.0)
+    assert np.abs(np.diff(volts)).mean() / PERIOD < 0.5
 
 
 def misjudged(machine, forward, backward):

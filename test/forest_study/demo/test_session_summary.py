@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from forest_study.demo.session_summary import response_times, table, work_per_metre
+from forest_study.demo.session_summary import response_times, table, valve_crossings, work_per_metre
 
 SESSION = {
     "scheme": "joint",
@@ -48,6 +48,12 @@ def test_the_pump_s_work_is_told_per_metre_of_the_tip():
     assert work_per_metre(time, np.array([0.0, 2e4, 2e4]), places) == {"kj": 50.0, "kj_per_m": 7.1}
     assert work_per_metre(time, np.array([1e3, 1e3, 1e3]), places[:1]) == {"kj": 3.0, "kj_per_m": 0.0}
     assert "pump work          12.5 kJ per metre" in table(SESSION)
+
+
+def test_a_valve_crosses_when_its_voltage_comes_back_from_zero_on_the_other_side():
+    swing, boom, stick = [0.0, 1.2, 1.4, 0.0, -1.1], [1.1, 0.0, 1.1, 0.0, 1.2], [2.0, -2.0, 2.0, 0.0, 0.0]
+    voltages = np.array([swing, boom, stick]).T
+    assert valve_crossings(voltages) == {"swing": 1, "boom": 0, "stick": 2}
 
 
 def test_table_says_that_joint_mode_has_no_tip_error():

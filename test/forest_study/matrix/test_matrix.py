@@ -186,7 +186,7 @@ def test_the_table_tells_the_worst_the_median_and_what_did_not_end():
     outcomes.append(Outcome(4, {}, True, figures[2], {"way": figures[2]}))
     found = summary(outcomes[:4])
     assert (found["worst"]["cross_track_max_mm"], found["median"]["cross_track_max_mm"]) == (30.0, 9.0)
-    assert (found["keep_bound"], found["not_ended"]) == (2, [3])
+    assert (found["over_bound"], found["not_ended"]) == ([2], [3])
     text = table({"fast": told(ROWS["fast"], outcomes)})
     assert "| 4, 1 not ended | 0.0 / 30.0 |" in text
     assert "| | median | 0.0 / 9.0 |" in text

@@ -33,6 +33,7 @@ APPROACH = 1.0  # [1/s] k: the weighing lags by 1.1 s, and a quicker approach wo
 WARNED = 0.9  # [1] of U, from which a person is warned: usual of rated capacity limiters
 FULL = 1.0  # [1] of U, at which only what unloads passes
 SLIGHT = 1e-3  # [1] least U that is counted with: an empty head weighs nothing
+BELIEVED = 1.25  # [1] greatest U that is believed: the static test of EN 12999; broken transducers read more
 
 
 class Capacity(NamedTuple):
@@ -64,6 +65,20 @@ def loading(mass: float, q: Vec3, links: Links, c: Capacity) -> Loading:
     unknown = FULL if ahead >= LEAST_LEVER else 0.0  # nearer, nothing can be weighed
     share = unknown if math.isnan(mass) else max(0.0, mass) / allowed
     return Loading(mass, reach, allowed, share)
+
+
+def believed_mass(mass: float, head: float, q: Vec3, links: Links, c: Capacity) -> float:
+    """Return a weighed mass [kg] within what can hang there; NaN, which is not known, stays.
+
+    Args:
+        mass: as weighed.
+        head: of the empty head [kg]: what weighs less than nothing is at most that.
+        q: joint angles [rad].
+        links: of the crane.
+        c: its capacity; without one any mass is believed.
+    """
+    most = BELIEVED * loading(mass, q, links, c).allowed
+    return mass if math.isnan(mass) else max(-head, min(most, mass))
 
 
 def allowed_load(reach: float, c: Capacity) -> float:

@@ -60,6 +60,7 @@ class WeighingParameters(NamedTuple):
     stick_moment: tuple[float, float]  # alike, with a head that is part of it
     stick_mass: float  # [kg]
     head_mass: float  # [kg] that hangs from the tip
+    empty_head: float  # [kg] of the head without a log, whether it hangs or is part of the stick
     boom_inertia: float  # about the boom's pivot [kg m^2]
     stick_inertia: float  # about the stick's pivot [kg m^2]
     friction: float  # F of a cylinder that slides [N]
@@ -194,6 +195,7 @@ def weighing_parameters(machine: Machine) -> WeighingParameters:
         stick_moment=(stick.mass * stick.x, stick.mass * stick.y),
         stick_mass=stick.mass,
         head_mass=0.0 if m.pendulum is None else m.head_mass,
+        empty_head=m.head_mass,
         boom_inertia=boom.zz + boom.mass * (boom.x**2 + boom.y**2),
         stick_inertia=stick.zz + stick.mass * (stick.x**2 + stick.y**2),
         friction=coulomb,

@@ -16,7 +16,7 @@ may change while the crane moves (`bumpless_transfer`).
 """
 
 from forest_control.config.controller_settings import Parameters
-from forest_control.limits.load_moment import loading
+from forest_control.limits.load_moment import believed_mass, loading
 from forest_control.limits.load_weighing import weighed
 from forest_control.pipeline import stop_profile
 from forest_control.pipeline.bumpless_transfer import begun, faded, relearnt
@@ -68,8 +68,13 @@ def step_with_telemetry(state: State, inputs: Inputs, p: Parameters, dt: float) 
 
 def counted_angles(measured: Vec3, state: State, p: Parameters) -> Vec3:
     """Return the angles [rad] that count for measured ones: corrected, and of links that bend."""
-    joints = corrected_angles(measured, state.correction)
-    return link_angles(joints, state.weighing.mass, p.speed_limits, p.coordinated.arm)
+    return _of_links(corrected_angles(measured, state.correction), state.weighing.mass, p)
+
+
+def _of_links(joints: Vec3, mass: float, p: Parameters) -> Vec3:
+    """Return the links' angles for their joints' [rad] and a weighed mass [kg], as far as it is believed."""
+    hung = believed_mass(mass, p.weighing.empty_head, joints, p.links, p.capacity)
+    return link_angles(joints, hung, p.speed_limits, p.coordinated.arm)
 
 
 def _estimate(state: State, inputs: Inputs, p: Parameters, dt: float) -> tuple[State, Inputs]:
@@ -79,7 +84,7 @@ def _estimate(state: State, inputs: Inputs, p: Parameters, dt: float) -> tuple[S
         correction = latched_correction(correction, p.position_source)
     joints = corrected_angles(inputs.angles, correction)
     weighing = weighed(state.weighing, joints, inputs.rates, inputs.boom_pressures, p.weighing, dt)
-    inputs = inputs._replace(angles=link_angles(joints, weighing.mass, p.speed_limits, p.coordinated.arm))
+    inputs = inputs._replace(angles=_of_links(joints, weighing.mass, p))
     state = relearnt(state, correction)
     return state._replace(
         correction=correction, tracking_limits=_tracking_limits(state, inputs, p, dt), weighing=weighing

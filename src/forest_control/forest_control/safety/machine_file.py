@@ -1,9 +1,10 @@
 """Whether the machine is the one that the controller's machine file tells of: what it does first shows that.
 
-Two things are asked of it:
+Three things are asked of it:
 
 - The lengths of boom's and stick's cylinder, where they are measured, belong to the measured angles.
 - Each joint goes where its valve is commanded, once.
+- Each joint goes about as fast, and the boom carries its own weight (`machine_answers`), once.
 
 What has answered right is not asked again: later a broken sensor or a load is to blame. But lengths that are
 off by less than a broken transducer's are asked for ever, for a pin that is elsewhere shows in other poses.
@@ -20,8 +21,8 @@ more, while oil that is led to the other side leaves it to its weight. Such a wa
 | u, v | commanded and measured joint rate | rad/s |
 | way | what a joint has gone as commanded, less what it has gone against that, integral of v sgn(u) | rad |
 
-Not seen: wrong lengths of links, wrong masses, valves with other gains; and a wrong geometry where no
-cylinder is measured.
+Not seen: wrong lengths of links, masses and gains that are less than twice off; and a wrong geometry, where
+neither cylinders nor pressures are measured, that makes joints neither far slower nor faster.
 """
 
 import math
@@ -29,7 +30,8 @@ from typing import NamedTuple
 
 from forest_control.config.controller_settings import Parameters
 from forest_control.limits.load_weighing import Pressures
-from forest_control.safety import sinking_joint
+from forest_control.safety import machine_answers, sinking_joint
+from forest_control.safety.machine_answers import NO_ANSWERS, Answers
 from forest_control.safety.sinking_joint import Sinking
 from forest_control.servo.joint_angle_filter import FARTHEST, Lengths
 from forest_description.derived.actuator_kinematics import actuator_speeds_to_joint_rates
@@ -42,6 +44,7 @@ MISFIT = 0.03  # [rad] between length and angle: thrice what sensors' static err
 BORNE = 0.9  # [1] of the pump's pressure in the side that is fed, from which a load presses the boom back
 STRANGE = 0.3  # [s] for which lengths may not fit: samples of different moments, while nothing moves yet
 FITS, BOOM, STICK, POLARITY = 0, 1, 2, 3  # [1] of `wrong`: what is; 3, 4, 5: of swing, boom, stick
+GAIN, LIGHT = 6, 9  # [1] of `wrong`, by `machine_answers`; 6, 7, 8: of swing, boom, stick
 
 
 class FileCheck(NamedTuple):
@@ -51,6 +54,7 @@ class FileCheck(NamedTuple):
     strange: float = 0.0  # [s] for which lengths have not fitted
     fitted: bool = False  # they once did
     wrong: int = FITS  # for good; `BOOM` and `STICK`, once lengths have fitted, while they do not
+    answers: Answers = NO_ANSWERS
 
 
 def watched(
@@ -88,11 +92,17 @@ def watched(
     )
     u = actuator_speeds_to_joint_rates(angles, speeds, p.linkages)
     loaded = (pressures[0] if voltages[1] > 0.0 else pressures[1]) > BORNE * p.speed_limits.supply_pressure
-    ways = (
-        _way(before.ways[0], u[0] if _opens(voltages[0], 0, p) else 0.0, rates[0], dt),
-        _way(before.ways[1], u[1] if _opens(voltages[1], 1, p) and not loaded else 0.0, rates[1], dt),
-        _way(before.ways[2], u[2] if _opens(voltages[2], 2, p) else 0.0, rates[2], dt),
+    u = (
+        u[0] if _opens(voltages[0], 0, p) else 0.0,
+        u[1] if _opens(voltages[1], 1, p) and not loaded else 0.0,
+        u[2] if _opens(voltages[2], 2, p) else 0.0,
     )
+    ways = (
+        _way(before.ways[0], u[0], rates[0], dt),
+        _way(before.ways[1], u[1], rates[1], dt),
+        _way(before.ways[2], u[2], rates[2], dt),
+    )
+    answers = machine_answers.answered(before.answers, angles, u, rates, pressures, p, dt)
     boom, stick = _misfit(lengths[0], angles[1], 0, p), _misfit(lengths[1], angles[2], 1, p)
     fitted = before.fitted or (boom <= MISFIT and stick <= MISFIT)
     most = FARTHEST if fitted else math.inf
@@ -100,11 +110,15 @@ def watched(
     wrong = FITS
     if strange > STRANGE:
         wrong = BOOM if MISFIT < boom <= most else STICK
+    if machine_answers.is_too_light(answers):
+        wrong = LIGHT
     for i in range(3):
+        if machine_answers.is_of_another_rate(answers, i):
+            wrong = GAIN + i
         sinks = command[i] != 0.0 and sinking_joint.sinks(sinking, i) and not (i == 1 and loaded)
         if ways[i] < -PROVEN or (ways[i] < PROVEN and sinks):
             wrong = POLARITY + i
-    return FileCheck(ways, strange, fitted, wrong)
+    return FileCheck(ways, strange, fitted, wrong, answers)
 
 
 def _opens(voltage: float, i: int, p: Parameters) -> bool:
@@ -142,6 +156,17 @@ def objection(check: FileCheck) -> str:
             f"machine file: the length of the {AXES[check.wrong]}'s cylinder does not belong to its angle;"
             f" allowed: parameter machine of this crane, and a new start; or position_source joints, if the"
             f" transducer is broken"
+        )
+    if check.wrong == LIGHT:
+        return (
+            "machine file: the pressures bear less than boom and stick weigh; allowed: parameter machine of"
+            " this crane, and a new start"
+        )
+    if check.wrong >= GAIN:
+        i = check.wrong - GAIN
+        return (
+            f"machine file: {AXES[i]} goes {machine_answers.gain(check.answers, i):.1f} times as fast as"
+            f" commanded; allowed: parameter machine of this crane, and a new start"
         )
     return (
         f"machine file: {AXES[check.wrong - POLARITY]} goes against its commands; allowed: valve and sensor"

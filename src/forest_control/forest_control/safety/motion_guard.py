@@ -33,6 +33,7 @@ from forest_msgs_py.runtime.stamp_order import disorder
 GOES_BACK = "joy: a stamp goes back; allowed: rising stamps, or none"
 LOST_STATE = "no state of the machine"
 PRESSED = "emergency stop pressed"
+WAS_FAULTY = "machine: a fault is over; allowed: release the deadman"
 
 
 class MotionGuard:
@@ -97,7 +98,8 @@ class MotionGuard:
             checks = self.permission.checks
             trouble = machine_file.objection(checks.file) or driver_response.objection(checks.driver, now)
             trouble = trouble or frozen_sensor.frozen(checks.still) or runaway.objection(checks.runaway)
-            self.causes["machine"] = trouble or sinking_joint.objection(checks.sunk)
+            trouble = trouble or sinking_joint.objection(checks.sunk)
+            self.causes["machine"] = trouble or ("" if checks.let_go else WAS_FAULTY)
             self._note_operator(override)
         return decision
 

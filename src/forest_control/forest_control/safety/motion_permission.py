@@ -21,7 +21,9 @@ in the subset of Python that `forest_compile` translates; `motion_guard` tells t
 | none of these | | MOVE |
 
 What stops the crane disarms the levers, but for a state that is refused once: they must be centred before
-they move it again. Lone refusals do not, or one bad sample of many would throw the operator out.
+they move it again. Lone refusals do not, or one bad sample of many would throw the operator out. Behind a
+fault of sensors or machine, and an overload, the deadman must be let go: sticks that are centred, as in
+taught work, are no act of a person.
 """
 
 import math
@@ -126,7 +128,7 @@ class Checks(NamedTuple):
     sinking: Sinking = Sinking()
     file: FileCheck = FileCheck()
     sunk: Sinking = Sinking()  # as it stopped the crane; kept until the levers move it anew
-    let_go: bool = True  # the deadman was released since
+    let_go: bool = True  # the deadman was released since that, or a fault
     runaway: Runaway = Runaway()
 
 
@@ -207,7 +209,8 @@ def judged(
     """Return the decision on a state that can be true, dt [s] after the one before."""
     checks = before.checks
     if not passes(checks, now):
-        return disarmed(before, now, guard), Decision(Verdict.STOP, Cause.FAULT, dt=dt)
+        faulty = before._replace(checks=checks._replace(let_go=checks.let_go and is_sound(checks)))
+        return disarmed(faulty, now, guard), Decision(Verdict.STOP, Cause.FAULT, dt=dt)
     if sinking_joint.is_sinking(checks.sinking):
         sunk = checks._replace(sinking=Sinking(), sunk=checks.sinking, let_go=False)
         stop = Decision(Verdict.STOP, Cause.OVERLOAD, believed=True, dt=dt, overloaded=True)
@@ -216,13 +219,14 @@ def judged(
     after, decision = permitted(
         before._replace(checks=checks._replace(let_go=let_go)), now, dt, guard, override
     )
+    overloaded = sinking_joint.is_sinking(checks.sunk)
     if decision.verdict == Verdict.MOVE and not let_go:
-        # Sticks that are centred, as in taught work, are no act of a person.
-        waiting = Decision(Verdict.HOLD, Cause.OVERLOAD, believed=True, dt=dt, overloaded=True)
+        cause = Cause.OVERLOAD if overloaded else Cause.OPERATOR
+        waiting = Decision(Verdict.HOLD, cause, believed=True, dt=dt, overloaded=overloaded)
         return disarmed(after, now, guard), waiting
     if decision.verdict == Verdict.MOVE:
         return after._replace(checks=after.checks._replace(sunk=Sinking())), decision
-    return after, decision._replace(overloaded=sinking_joint.is_sinking(after.checks.sunk))
+    return after, decision._replace(overloaded=overloaded)
 
 
 def permitted(
@@ -295,9 +299,14 @@ def checked(
 
 def passes(checks: Checks, now: float) -> bool:
     """Tell whether sensors, driver and machine are what the controller goes by."""
+    return is_sound(checks) and driver_response.responds(checks.driver, now)
+
+
+def is_sound(checks: Checks) -> bool:
+    """Tell whether sensors and machine are what the controller goes by."""
     if machine_file.is_wrong(checks.file) or runaway.runs_away(checks.runaway):
         return False
-    return driver_response.responds(checks.driver, now) and not frozen_sensor.is_frozen(checks.still)
+    return not frozen_sensor.is_frozen(checks.still)
 
 
 def armed_watch() -> Watch:

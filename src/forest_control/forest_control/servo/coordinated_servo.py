@@ -22,7 +22,7 @@ import math
 from typing import NamedTuple
 
 from forest_control.servo.arm_feedforward import ArmModel, yielding_rates
-from forest_control.servo.inching import MOVING, Inching, inched, is_due, served
+from forest_control.servo.inching import ARRIVED, MOVING, Inching, inched, is_due, served
 from forest_control.servo.link_bending import pushed
 from forest_control.servo.schemes import ERROR_LAG, FULL_RATE, Gains, Signals, coordinated
 from forest_control.servo.swing_feedforward import SwingModel, inertia
@@ -220,8 +220,9 @@ def _joint_servo(
     w = max(-p.integral_limit, min(p.integral_limit, grown))
     part = x.a / FULL_RATE
     quick = 1.0 if i == 0 else min(1.0, part * part)
-    # At rest there is time for less noise.
-    fed_back = filtered if still and shut else filtered + quick * (error - filtered)
+    # At rest there is time for less noise: a valve that feeds what leaks would follow it.
+    calm = still and (shut or memory.inching.rested >= ARRIVED)
+    fed_back = filtered if calm else filtered + quick * (error - filtered)
     u = HELD if holds else coordinated(x._replace(s=x.r - fed_back, w=x.w + w), p.gains[i])
     inching = served(memory.inching, dt) if all_rest else MOVING
     return Joint(a=x.a, b=x.b, w=w, error=filtered, holding=holds, inching=inching), u

@@ -187,10 +187,12 @@ def _axis(
         hold, fed = _fed(i, command, state, p, dt)
         law = estimated_law(axis.valve, state.estimates[i]) if p.adapt else axis.valve
         mean = max(0.0, state.means[i]) if measured and axis.fills else -1.0
+        wanted = 0.0
         if fed != 0.0:
-            wanted = spool_voltage(fed, state.loads[i], mean, supply, tank, position, axis, law, p)
-        else:
-            wanted = 0.0
+            along = math.copysign(fed, hold.way)
+            wanted = spool_voltage(along, state.loads[i], mean, supply, tank, position, axis, law, p)
+        if fed * hold.way < 0.0:
+            wanted = _within_the_overlap(wanted, law)
         saturated = not low < wanted < high
         if p.beyond_valve:
             wanted = _over_the_overlap(wanted, state.spools[i], state.ahead, law, axis)
@@ -213,6 +215,12 @@ def _fed(i: int, command: float, state: State, p: Parameters, dt: float) -> tupl
     opens = min(least, p.hold_zone) if leaks else p.hold_zone
     side = math.copysign(1.0, leaked) if leaks else 0.0
     return held_command(state.holds[i], fed, p.hold_zone, opens, side, p.command_noises[i], held, dt)
+
+
+def _within_the_overlap(beyond: float, law: ValveLaw) -> float:
+    """Return the voltage [V] as far from the edge inwards as one is beyond it; centred at the most."""
+    edge = (law.forward if beyond > 0.0 else law.backward).deadband_voltage
+    return math.copysign(max(0.0, 2.0 * edge - abs(beyond)), beyond)
 
 
 def _over_the_overlap(wanted: float, spool: float, ahead: float, law: ValveLaw, axis: AxisDriver) -> float:

@@ -2,6 +2,7 @@
 
 from typing import Any
 
+from forest_control.valve.unlearnt_valves import told
 from forest_control.valve.valve_driver_parameters import DriverParameters, Settings, parameters
 from forest_description.machine import load_machine
 from forest_msgs_py.runtime.node_parameters import Tunables, declare
@@ -24,10 +25,14 @@ class DriverConfiguration:
         self._use(self._tunables.declare(Settings)._asdict())
         self._tunables.watch(self._use)
         self.node = declare(node, DriverParameters)
+        self._unlearnt = told(self.machine)
+        if self._unlearnt:
+            node.get_logger().info(f"adapt learns nothing at {self._unlearnt}")
 
     def _use(self, values: dict[str, Any]) -> None:
         self.core = parameters(self.machine, Settings(**values))
 
     def pressure_settings(self) -> dict[str, Any]:
         """Return what the driver makes of the pressures, for /diagnostics."""
-        return {name: self._tunables.values[name] for name in ("compensate", "adapt")}
+        settings = {name: self._tunables.values[name] for name in ("compensate", "adapt")}
+        return settings | ({"not learnt": self._unlearnt} if self._unlearnt else {})

@@ -9,6 +9,9 @@ A command that cannot be noise is motion. It passes at once, and so do others fo
 rest a small command opens the valve when its low-passed value is over the zone. It shuts the valve
 when that value has gone back to a quarter of the zone, or turned round. An actuator that is held for
 `BRIEF` has come to rest.
+
+A valve that feeds what leaks stays on its side at rest. A command that turns round takes it back into the
+overlap by and by: where the overlap is narrower than believed, a valve that jumped would feed by strokes.
 """
 
 import math
@@ -40,6 +43,8 @@ def held_command(
 ) -> tuple[HoldState, float]:
     """Return the state a period of dt [s] on, and the command that passes: 0 where the valve shall stay shut.
 
+    One that passes against the state's `way` leads the valve from the edge into the overlap.
+
     Args:
         hold: state.
         c: command [V]; 0 is none: shut.
@@ -61,16 +66,17 @@ def held_command(
     way = hold.way
     if calm_for < CALM:
         way = math.copysign(1.0, c) if abs(c) > MOVING_SHARE * zone else 0.0
-    elif way != 0.0:
+    elif way != 0.0 and way != side:
         way = way if way * quick >= SHUT_SHARE * opens else 0.0
-    elif abs(slow) > opens:
+    elif way == 0.0 and abs(slow) > opens:
         way = math.copysign(1.0, slow)
     if calm_for >= CALM and way * side < 0.0:
         way = 0.0  # what leaks brings the actuator back
     after = HoldState(slow=slow, quick=quick, way=way, calm_for=calm_for)
     if way == 0.0:
         return after, 0.0
-    return after, c if c * way > 0.0 else way * BARELY
+    feeds = calm_for >= CALM and way == side
+    return after, c if c * way > 0.0 or feeds else way * BARELY
 
 
 def _passed(before: float, c: float, lag: float, dt: float) -> float:

@@ -3,6 +3,7 @@
 import argparse
 import sys
 import time
+from collections.abc import Sequence
 from itertools import combinations
 from pathlib import Path
 from typing import Any
@@ -58,6 +59,7 @@ def run(options: argparse.Namespace) -> int:
     sessions = {path: session_bag.read(path) for path in found(options.bags)}
     _refuse_strangers(start, sessions)
     _refuse_twice(sessions)
+    _demand_judge(options.allow, sessions)
     bar = Bar()
     given, stated = list(sessions.values()), uncertainties(options.start)
 
@@ -157,6 +159,19 @@ def _refuse_twice(sessions: dict[Path, Session]) -> None:
         same = first.name == second.name and first.readings.keys() == second.readings.keys()
         if same and all(np.array_equal(first.readings[key], second.readings[key]) for key in first.readings):
             raise SessionError(f"{one} and {two} hold the same record of {first.name}; allowed: each once")
+
+
+def _demand_judge(allowed: Sequence[str], sessions: dict[Path, Session]) -> None:
+    """Refuse before the fit to choose between models without a record to judge them by.
+
+    Raises:
+        SessionError: physics are allowed, but no record is held out.
+    """
+    if allowed and not any(session.name in identification.HELD_OUT for session in sessions.values()):
+        raise SessionError(
+            f"--allow {' '.join(allowed)}: no record is held out to decide by; allowed: with a bag of "
+            "`validation`"
+        )
 
 
 def found(paths: list[Path]) -> list[Path]:

@@ -20,6 +20,7 @@ class LinearFit(NamedTuple):
     errors: Floats  # [p] standard errors
     condition: float  # of X with columns of length 1
     residuals: Floats  # [N]
+    covariance: Floats  # [p, p]
 
     @property
     def first(self) -> tuple[float, float]:
@@ -49,4 +50,4 @@ def solve(columns: list[Floats], y: Floats, block: int = 200) -> LinearFit:
     covariance = inverse @ (scores.T @ scores) @ inverse * count / spare
     condition = float(singular[0] / singular[-1]) if singular[-1] > 0.0 else float("inf")
     errors = np.sqrt(np.maximum(np.diag(covariance), 0.0)) / scale
-    return LinearFit(theta / scale, errors, condition, residuals)
+    return LinearFit(theta / scale, errors, condition, residuals, covariance / np.outer(scale, scale))

@@ -56,7 +56,8 @@ def external(machine: Machine, session: Session) -> LinearFit:
         return solve([driving], session.column("case_drain"))
     volume = session.metadata.get("case_drain_volume", float("nan"))
     share = volume / float(np.sum(driving) * session.period)
-    return LinearFit(np.array([share]), np.array([0.01 * share]), 1.0, np.zeros(0))
+    error = 0.01 * share
+    return LinearFit(np.array([share]), np.array([error]), 1.0, np.zeros(0), np.array([[error**2]]))
 
 
 def internal(machine: Machine, session: Session, external_conductance: float) -> LinearFit:

@@ -37,8 +37,9 @@ class Unknown(NamedTuple):
     start: float
     prior: float = math.inf  # standard deviation; of a positive one relative
     positive: bool = True
-    difference: float = 1e-7  # for derivatives; of a positive one relative. With a greater one the curvature
-    # would tell apart what no record can: masses, areas and flows that all grow together
+    difference: float = 1e-6
+    """For derivatives; of a positive one relative. Of 1e-4 the curvature is 3e-4 of a derivative, of 1e-7 the
+    rounding 3e-5; of this one both are below 3e-5."""
 
 
 class Channel(NamedTuple):
@@ -65,6 +66,7 @@ class Fit(NamedTuple):
     noise: dict[str, float]
     iterations: int
     told_noise: dict[str, float]  # what wrong told numbers may leave in each channel, in its unit
+    converged: bool = True  # False: the search was broken off
 
 
 class Problem:

@@ -46,7 +46,7 @@ ITERATIONS = 20
 DAMPING = 1e-6  # at the start: so small that correlated parameters may move together
 TRIES = 8  # of one step, each with more damping
 CONVERGED = 0.1  # of the standard errors, that the last step moved
-STALE = 3e5  # differences (3 %) from where derivatives were taken, to take them again
+STALE = 0.03  # of a positive parameter, from where derivatives were taken, to take them again
 SLOW = 0.3  # of the last step; after a longer step derivatives are taken again, too
 
 Model = Callable[[Mapping[str, float]], Columns]
@@ -118,16 +118,16 @@ class _Search:
         predicted = self._simulate(self._model, theta)
         problem.update_noise(theta, predicted)
         jacobian, taken, fresh, iterations = self._derivatives(theta, predicted), theta, True, 0
-        while iterations < ITERATIONS:
+        converged = False
+        while not converged and iterations < ITERATIONS:
             iterations += 1
             theta, predicted, damping, moved = self._step(theta, predicted, jacobian, damping)
             problem.update_noise(theta, predicted)
             stale = self._distance(theta, taken) > STALE
-            if not stale and (CONVERGED > moved > 0.0 or (fresh and moved == 0.0)):
-                break
+            converged = not stale and (CONVERGED > moved > 0.0 or (fresh and moved == 0.0))
             fresh = stale or moved > SLOW * last or moved == 0.0
             last = math.inf if fresh else moved
-            if fresh:
+            if fresh and not converged:
                 jacobian, taken = self._derivatives(theta, predicted), theta
         inputs = [self._simulate(model, theta) for model in redrawn]
         covariance = problem.covariance(theta, predicted, jacobian, inputs)
@@ -147,12 +147,13 @@ class _Search:
             noise=dict(problem.sigma),
             iterations=iterations,
             told_noise=told_noise,
+            converged=converged,
         )
 
     def _distance(self, theta: Floats, taken: Floats) -> float:
-        """Return how far parameters are from where derivatives were taken, in their differences."""
-        moves = np.abs(theta - taken)[: len(self._unknowns)]
-        return max((m / u.difference for m, u in zip(moves, self._unknowns, strict=True)), default=0.0)
+        """Return how far positive parameters are from where derivatives were taken; others act linearly."""
+        moves = np.abs(theta - taken)[: len(self._unknowns)].tolist()
+        return max((m for m, u in zip(moves, self._unknowns, strict=True) if u.positive), default=0.0)
 
     def _simulate(
         self, model: Model, theta: Floats, told: Mapping[str, float] = MappingProxyType({})

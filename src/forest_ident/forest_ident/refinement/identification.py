@@ -4,14 +4,17 @@ Order: calibration, the thesis' linear estimates (from which the refinement star
 by experiment with one Gaussian estimate. Sessions named "validation" or "motion" are held out.
 """
 
+import dataclasses
 import math
 from collections.abc import Callable, Mapping, Sequence
 from types import MappingProxyType
 
 import numpy as np
 
+from forest_description.config.parameter import MachineError
 from forest_description.machine import Machine
-from forest_ident.estimators import calibration
+from forest_description.types import AXES
+from forest_ident.estimators import calibration, linkage
 from forest_ident.estimators.parameter_estimate import (
     Estimate,
     excitation_for,
@@ -82,11 +85,11 @@ def identify(
     result.remarks += [data_quality.cut_off(session) for session in used if not session.whole]
     for session in used:
         experiment_check.demand(start, session)
+    result.told = _measured_linkages(result, used, told_numbers.errors(start, stated))
     for session in used:
         progress(f"{session.name}: linear estimates", 0.0)
         with data_quality.evaluated(session):
             _estimate_linearly(result, session)
-    result.told = told_numbers.errors(start, stated)
     result.known = _of_offsets([*_offsets_of_file(start, used), *result.calibration])
     work = [s for s in used if refine and task(result.machine, s) is not None]
     # A simulation takes as long as its record is; how many there will be, the numbers of unknowns tell.
@@ -109,24 +112,9 @@ def identify(
             wanted = task(result.machine, session)
             result.failed[session.name] = wanted.free if wanted else ()
     progress("done", 1.0)
-    _refuse_stranger(result)
+    result.stranger = data_quality.stranger({r.session.name: r.tests for r in result.refined})
     _conclude(result)
     return result
-
-
-def _refuse_stranger(result: Result) -> None:
-    """Refuse the one record that contradicts all others.
-
-    Raises:
-        SessionError: there is one.
-    """
-    name = data_quality.stranger({r.session.name: r.tests for r in result.refined})
-    if name:
-        said = next(remark for remark in result.remarks if remark.startswith(f"{name}: the model"))
-        raise SessionError(
-            f"{said} The other records agree with each other: leave this one out, or check whose it is and "
-            "which experiment"
-        )
 
 
 def _prepared(start: Machine, sessions: Sequence[Session]) -> Machine:
@@ -150,6 +138,33 @@ def _calibrate(result: Result, sessions: Sequence[Session]) -> None:
     if not any(session.is_exact for session in sessions):
         updated = calibration.updated(result.start, result.calibration)
         result.machine = with_part(result.machine, "sensors.calibration", updated)
+
+
+def _measured_linkages(
+    result: Result, used: Sequence[Session], told: Mapping[str, float]
+) -> dict[str, float]:
+    """Set the linkages to what lengths over angles tell; return the errors of told numbers with theirs.
+
+    A linkage that a person has told more closely stays, as does one whose estimate is no linkage.
+    """
+    errors = dict(told)
+    for axis in AXES[1:]:
+        found = [e for e in linkage.pivots(result.start, used) if e.key.startswith(axis)]
+        closer = {e.key: e.standard_error for e in found if e.standard_error < told.get(e.key, 0.0)}
+        if not found or len(closer) < len(found):
+            continue
+        pivots = {e.key.partition(".")[2]: e.value for e in found}
+        try:
+            drive = dataclasses.replace(getattr(result.machine, axis), **pivots)
+        except MachineError as error:
+            result.remarks.append(
+                f"{axis}: its linkage stays as told; lengths over angles tell another: {error}"
+            )
+            continue
+        result.machine = with_part(result.machine, axis, drive)
+        result.linear += found
+        errors |= closer
+    return errors
 
 
 def _of_offsets(offsets: Sequence[calibration.Offset]) -> GaussianEstimate:

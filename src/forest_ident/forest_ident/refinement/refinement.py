@@ -29,7 +29,6 @@ from forest_ident.refinement import extension_keys
 from forest_ident.refinement.refinement_task import INERTIAS, START, Task, is_parameter, task, told
 
 UNKNOWN = 0.4  # prior standard deviation of what no experiment has estimated yet: relative, or volts
-DIFFERENCE = 1e-4  # for derivatives, relative
 SETTLED = 0.25  # [s] after a change of voltage
 START_NOISE = 1e4  # [Pa] by which pressures drift while the mean of the start is taken
 ANGLES = tuple(f"{axis}.angle" for axis in AXES)
@@ -80,7 +79,7 @@ def refine(
         for key, error in errors.items()
     ]
     again = () if session.on_rig else [driven_by(one) for one in redrawn(machine, corrected)]
-    return work, fit(
+    done = fit(
         driven_by(corrected),
         measured,
         channels,
@@ -90,6 +89,8 @@ def refine(
         redrawn=again,
         told=moved,
     )
+    rounded = extension_keys.rounding(done.values)
+    return work, done._replace(posterior=widened(done.posterior, rounded))
 
 
 def _unknowns(machine: Machine, session: Session, work: Task) -> list[Unknown]:
@@ -100,8 +101,9 @@ def _unknowns(machine: Machine, session: Session, work: Task) -> list[Unknown]:
         # An overlap that a curve in volts hides stays near its start, or it would leave the curve behind.
         told = key in work.free and positive and not extension_keys.is_extension(key)
         spread = math.inf if told else UNKNOWN
-        difference = extension_keys.COARSE.get(key.rpartition(".")[2], DIFFERENCE)
-        found.append(Unknown(key, value_of(machine, key), spread, positive, difference))
+        unknown = Unknown(key, value_of(machine, key), spread, positive)
+        coarse = extension_keys.COARSE.get(key.rpartition(".")[2], unknown.difference)
+        found.append(unknown._replace(difference=coarse))
     if "rig.load" in work.nuisances:
         found.append(Unknown(f"rig.load.{session.name}", _load(session), math.inf))
     for name in () if session.is_exact else work.nuisances:

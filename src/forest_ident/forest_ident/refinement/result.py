@@ -43,6 +43,8 @@ class Result:
     """Records whose refinement failed, with what it was to find."""
     impossible: list[str] = field(default_factory=list)
     """Keys whose estimates no machine file may hold."""
+    stranger: str = ""
+    """The only record that is not explained, where the others agree with each other."""
     known: GaussianEstimate = EMPTY
     """Mean and covariance of all, as if all told numbers were right, and how these would move it."""
     told: dict[str, float] = field(default_factory=dict)

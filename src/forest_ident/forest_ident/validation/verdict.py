@@ -4,7 +4,8 @@
 |---|---|
 | trusted | every record is explained, every estimate is told by the data, held-out records are predicted |
 | trusted but for | the same, but for some parameters: each with its reason |
-| not trusted | a held-out record is missed, most intervals are withheld, or no residual was tested |
+| not trusted | a held-out record is missed, or one contradicts all others, or most intervals are withheld |
+| not trusted | no residual was tested |
 """
 
 from collections.abc import Sequence
@@ -51,6 +52,10 @@ def verdict(result: Result, held_out: Sequence[tuple[str, Sequence[Signal]]] = (
     reasons += [f"{name}: held out, but it cannot be predicted" for name in blind]
     if result.estimates and not result.refined:
         reasons.append("linear estimates alone: no residual was tested")
+    if result.stranger:
+        reasons.append(
+            f"{result.stranger}: it alone is not explained, the other records agree with each other"
+        )
     withheld = sum(e.withheld for e in result.estimates.values())
     if withheld > MOST * len(result.estimates):
         reasons.append(
@@ -72,6 +77,12 @@ def _doubts(result: Result) -> dict[str, str]:
         if e.withheld
     ]
     pairs += [(e.key, e.warning) for e in result.estimates.values() if e.warning]
+    pairs += [
+        (key, f"the search of {r.session.name} was broken off after {r.fit.iterations} steps")
+        for r in result.refined
+        if not r.fit.converged
+        for key in r.free
+    ]
     for r in result.refined:
         odd = [t for t in r.tests if t.times > LEFT and (t.correlation or 0.0) > CORRELATED]
         if odd:

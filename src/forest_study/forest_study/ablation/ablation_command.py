@@ -1,16 +1,17 @@
 """`forest-study ablation`: control without each mechanism, or with each constant halved and doubled."""
 
 import argparse
+import itertools
 import math
-import os
-from collections.abc import Callable
-from concurrent.futures import ThreadPoolExecutor
 from typing import Any
 
 from forest_compile.kernel_cache import can_compile
-from forest_description.machine import Machine, load_machine
+from forest_control.valve.valve_driver import FILLING
+from forest_description.machine import load_machine
 from forest_msgs_py.runtime.command_line import number, whole
+from forest_study.ablation import effects
 from forest_study.ablation.constants import NODES, ROOMS, Changes, numbers, scaled
+from forest_study.ablation.scenes import SCENES
 from forest_study.ablation.trials import Figures, Trial, tried
 from forest_study.results import StudyError, write_json
 
@@ -26,6 +27,8 @@ MECHANISMS: dict[str, Changes] = {
     "search, with adaptation": {"valve_driver.adapt": True, "valve.valve_adaptation.SEARCH": 0.0},
 }
 FACTORS = (0.5, 2.0)
+OF_MECHANISMS = ("paths", "slow")
+BYSTANDER, CHANCES = "valve.valve_driver.FILLING", 4  # what is changed by millionths, and how often
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -39,7 +42,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="ROOM",
         help=f"instead of mechanisms, constants of these rooms and nodes: {', '.join((*ROOMS, *NODES))}",
     )
-    add("--only", default="", metavar="TEXT", help="whose name has it in it")
+    add("--only", nargs="+", default=[""], metavar="TEXT", help="whose name has one of these in it")
     add("--pushes", type=whole(1, 1000), default=20, metavar="N", help="of each overlap and tilt")
     add(
         "--overlap",
@@ -68,40 +71,71 @@ def run(options: argparse.Namespace) -> int:
     """
     if not can_compile():
         raise StudyError("ablation needs LLVM, which is not installed: pip install 'forest-crane[fast]'")
-    machine, rooms = load_machine(options.machine), options.constants
-    changes = _chosen(MECHANISMS if rooms is None else _constants(rooms, machine), options.only)
-    conditions = [(share, math.radians(tilt)) for tilt in options.tilt for share in options.overlap]
-
-    def one(name: str) -> Figures | None:
-        found = tried(Trial(options.machine, changes[name], options.pushes, conditions))
-        print(_line(name, found), flush=True)
-        return found
-
-    print(HEAD, flush=True)
-    found = {NOTHING: one(NOTHING)}  # first, since it may have to compile the kernel
-    others = [name for name in changes if name != NOTHING]
-    with ThreadPoolExecutor(len(os.sched_getaffinity(0))) as pool:
-        found |= dict(zip(others, pool.map(one, others), strict=True))
-    told = {name: None if row is None else row._asdict() for name, row in found.items()}
-    write_json(options.out / "ablation.json", {**_conditions(options), "without": told})
-    names = sorted(found, key=_effect(found), reverse=True) if options.constants else list(found)
-    text = "\n".join([HEAD, RULE, *(_line(name, found[name]) for name in names)])
-    (options.out / "ablation.md").write_text(text + "\n", encoding="utf-8")
+    load_machine(options.machine)
+    lines, found = (_of_mechanisms if options.constants is None else _of_constants)(options)
+    write_json(options.out / "ablation.json", {**_conditions(options), "without": found})
+    (options.out / "ablation.md").write_text("\n".join(lines) + "\n", encoding="utf-8")
     print(f"  {options.out / 'ablation.md'}")
     return 0
 
 
+def _of_mechanisms(options: argparse.Namespace) -> tuple[list[str], dict[str, Figures | None]]:
+    """Print and return the table of mechanisms left out, and their figures."""
+    changes, lines, found = _chosen(MECHANISMS, options.only), [HEAD, RULE], dict[str, Figures | None]()
+    print(*lines, sep="\n", flush=True)
+    for name, row in zip(changes, _tried(options, changes, OF_MECHANISMS), strict=True):
+        found[name] = row
+        lines.append(_line(name, row))
+        print(lines[-1], flush=True)
+    return lines, found
+
+
+def _of_constants(options: argparse.Namespace) -> tuple[list[str], dict[str, Figures | None]]:
+    """Print and return the table of constants at half and at twice, and their figures."""
+    values = numbers(tuple(options.constants), load_machine(options.machine))
+    values = {name: value for name, value in values.items() if _named(name, options.only)}
+    if not values:
+        raise StudyError(f"no constant of these has {' or '.join(options.only)} in its name")
+    changes: dict[str, Changes] = {NOTHING: {}}
+    changes |= {f"chance {k}": {BYSTANDER: FILLING * (1.0 + 1e-6 * k)} for k in range(1, CHANCES + 1)}
+    for name, value in values.items():
+        changes |= {f"{name} × {factor:g}": {name: scaled(value, factor)} for factor in FACTORS}
+    rows = zip(changes, _tried(options, changes, tuple(SCENES)), strict=True)
+    found = dict(itertools.islice(rows, 1 + CHANCES))
+    same, by_chance = found[NOTHING], [row for row in found.values() if row is not None]
+    if same is None:
+        raise StudyError(f"control of {options.machine} fails without any change")
+    usual, lines = effects.chance(by_chance), dict[str, tuple[float, str]]()
+    print(effects.HEAD, flush=True)
+    for name, value in values.items():
+        both = dict(itertools.islice(rows, len(FACTORS)))
+        half, twice = (effects.told(row, usual, same) for row in both.values())
+        greatest = max(effects.effect(row, usual) for row in both.values())
+        lines[name], found = (greatest, effects.line(name, value, half, twice)), found | both
+        print(lines[name][1], flush=True)
+    ranked = sorted(lines.values(), key=lambda one: -one[0])
+    return [effects.HEAD, *(line for _, line in ranked)], found
+
+
+def _tried(options: argparse.Namespace, changes: dict[str, Changes], scenes: tuple[str, ...]) -> Any:
+    conditions = [(share, math.radians(tilt)) for tilt in options.tilt for share in options.overlap]
+    return tried(
+        [Trial(options.machine, one, scenes, options.pushes, conditions) for one in changes.values()]
+    )
+
+
 HEAD = "| changed | cross-track, mm | governed, mm | slow, mm/s | V/s | cycles | rest, mm |"
 RULE = "|---|---|---|---|---|---|---|"
+OF_ALL = ("cross-track, mm", "governed, mm", "slow, mm/s", "V/s")
 
 
 def _line(name: str, row: Figures | None) -> str:
     if row is None:
         return f"| {name} | control failed | | | | | |"
-    return (
-        f"| {name} | {row.paths_mm:.2f} | {row.governed_mm:.2f} | {row.slow_mm_s:.1f} | {row.volts_s:.0f} "
-        f"| {' '.join(map(str, row.cycles))} | {' '.join(f'{rest:.1f}' for rest in row.rest_mm)} |"
-    )
+    paths, governed, slow, volts = (row[one] for one in OF_ALL)
+    cycles = " ".join(f"{value:.0f}" for one, value in row.items() if one.startswith("cycles"))
+    rests = " ".join(f"{value:.1f}" for one, value in row.items() if one.startswith("rest"))
+    return f"| {name} | {paths:.2f} | {governed:.2f} | {slow:.1f} | {volts:.0f} | {cycles} | {rests} |"
 
 
 def _conditions(options: argparse.Namespace) -> dict[str, Any]:
@@ -109,35 +143,13 @@ def _conditions(options: argparse.Namespace) -> dict[str, Any]:
     return {name: getattr(options, name) for name in names}
 
 
-def _constants(rooms: list[str], machine: Machine) -> dict[str, Changes]:
-    """Return the changes of all constants, behind none."""
-    changes: dict[str, Changes] = {NOTHING: {}}
-    for name, value in numbers(tuple(rooms), machine).items():
-        changes |= {f"{name} × {factor:g}": {name: scaled(value, factor)} for factor in FACTORS}
-    return changes
+def _named(name: str, texts: list[str]) -> bool:
+    return any(text in name for text in texts)
 
 
-def _chosen(changes: dict[str, Changes], only: str) -> dict[str, Changes]:
-    """Return the changes whose name has a text in it, behind none."""
-    chosen = {name: change for name, change in changes.items() if only in name}
+def _chosen(changes: dict[str, Changes], only: list[str]) -> dict[str, Changes]:
+    """Return the changes whose name has one of some texts in it, behind none."""
+    chosen = {name: change for name, change in changes.items() if _named(name, only)}
     if not chosen:
-        raise StudyError(f"no constant or mechanism of these has {only!r} in its name")
+        raise StudyError(f"no mechanism has {' or '.join(only)} in its name")
     return {NOTHING: {}, **chosen}
-
-
-def _effect(found: dict[str, Figures | None]) -> Callable[[str], float]:
-    """Return the greatest relative change of a figure, by the change's name."""
-    usual = found[NOTHING]
-
-    def effect(name: str) -> float:
-        row = found[name]
-        if row is None or usual is None:
-            return math.inf
-        return max(abs(a - b) / max(abs(b), 1.0) for a, b in zip(_flat(row), _flat(usual), strict=True))
-
-    return effect
-
-
-def _flat(row: Figures) -> list[float]:
-    *of_paths, cycles, rest_mm = row
-    return [*of_paths, *cycles, *rest_mm]

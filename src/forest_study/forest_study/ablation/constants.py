@@ -1,11 +1,13 @@
 """The numbers of `forest_control`: constants of its modules, and the settings of controller and valve driver.
 
-A constant is called `room.module.NAME`; a setting `controller.name` or `valve_driver.name`, as on the nodes.
+Whole numbers are codes and sizes: none of these. A constant is called `room.module.NAME`; a setting
+`controller.name` or `valve_driver.name`, as on the nodes.
 Modules take each other's constants by name when they are imported, so a change must reach each of them.
 What a NamedTuple took as a default keeps its value.
 """
 
 import importlib
+import math
 import pkgutil
 import sys
 from functools import lru_cache
@@ -67,10 +69,18 @@ def changed(changes: Changes) -> Settings:
             given[place][name] = value
         else:
             _change_constant(place, name, value)
+    _forget()
     return Settings(
         controller_settings.Settings(**given["controller"]),
         valve_driver_parameters.Settings(**given["valve_driver"]),
     )
+
+
+def _forget() -> None:
+    """Forget what modules have kept of computations with other constants."""
+    for module in [module for room in ROOMS for module in _modules(room)]:
+        for kept in [one for one in vars(module).values() if hasattr(one, "cache_clear")]:
+            kept.cache_clear()
 
 
 def at_runtime() -> Floats:
@@ -95,10 +105,8 @@ def at_runtime() -> Floats:
 
 
 def scaled(value: Number, factor: float) -> Number:
-    """Return a number, or each of several, times a factor; whole numbers stay whole."""
-    if isinstance(value, tuple):
-        return tuple(factor * one for one in value)
-    return round(factor * value) if isinstance(value, int) else factor * value
+    """Return a number, or each of several, times a factor."""
+    return tuple(factor * one for one in value) if isinstance(value, tuple) else factor * value
 
 
 def _change_constant(place: str, name: str, value: Number) -> None:
@@ -145,4 +153,4 @@ def _source(module: ModuleType) -> str:
 def _is_number(value: object) -> bool:
     if isinstance(value, tuple):
         return bool(value) and type(value) is tuple and all(map(_is_number, value))
-    return type(value) in (int, float)
+    return type(value) is float and not math.isnan(value)

@@ -4,6 +4,7 @@ import dataclasses
 from typing import NamedTuple
 
 import numpy as np
+from numpy.lib.stride_tricks import sliding_window_view
 
 from forest_control.operator.levers import REST, Levers, levers_for_tip_velocity
 from forest_description.components.valve_parameters import BackwardValve
@@ -12,11 +13,15 @@ from forest_description.machine import Machine
 from forest_description.types import AXES, Floats, Vec3
 from forest_ident.measurements.parameter_path import with_part
 from forest_msgs_py.types import PERIOD
+from forest_study.ablation.constants import Settings
+from forest_study.closed_loop import loop_kernel
 from forest_study.closed_loop.closed_loop import Operator, Trajectory
+from forest_study.tracking.tracking import noisy
 
 PUSHED, RELEASED, QUIET, END = 0.5, 1.5, 4.0, 7.5  # [s] of a session; from `QUIET` on it should be at rest
 FULL_SPEED = 0.5  # [m/s] of the tip at full deflection
 CYCLING = 0.5  # [V/s] mean variation of a voltage that counts as a limit cycle
+DITHERED = 4  # [periods] of the driver's dither, 50 Hz: what a valve is told beside it is their mean
 STREAM = 77  # of random numbers: apart from the sensors' noise
 
 
@@ -34,7 +39,7 @@ class Push(NamedTuple):
 class Rest(NamedTuple):
     """What was left of a push."""
 
-    variation: float  # [V/s] of the busiest valve from `QUIET` on
+    variation: float  # [V/s] of the busiest valve from `QUIET` on, without its dither
     error: float  # [m] of the tip, greatest mean over half a second from `QUIET` on
 
     @property
@@ -65,7 +70,8 @@ def rest(moved: Trajectory) -> Rest:
     error = moved.tip_error() - moved.tip_error()[round(PUSHED / PERIOD)]
     sums = np.cumsum(error[first:], axis=0)
     means = (sums[window:] - sums[:-window]) / window
-    return Rest(activity(moved.voltages[first:]), float(np.linalg.norm(means, axis=1).max()))
+    told = sliding_window_view(moved.voltages[first:], DITHERED, axis=0).mean(axis=-1)
+    return Rest(activity(told), float(np.linalg.norm(means, axis=1).max()))
 
 
 def misjudged(machine: Machine, share: float, axes: tuple[int, ...] = (0, 1, 2)) -> Machine:
@@ -76,3 +82,12 @@ def misjudged(machine: Machine, share: float, axes: tuple[int, ...] = (0, 1, 2))
         believed = dataclasses.replace(valve, deadband_voltage=share * valve.deadband_voltage, backward=back)
         machine = with_part(machine, f"{AXES[axis]}.valve", believed)
     return machine
+
+
+def pushed(machine: Machine, seed: int, overlap: float, tilt: float, settings: Settings) -> Rest:
+    """Return what is left of a push of a crane on a slope [rad], its overlap misjudged."""
+    crane, given = machine.manipulator, push(machine, seed)
+    sloped = dataclasses.replace(crane, platform_tilt=crane.platform_tilt + tilt)
+    plant, model = dataclasses.replace(machine, manipulator=sloped), misjudged(machine, overlap)
+    suite = noisy(plant, seed)
+    return rest(loop_kernel.by_heart(plant, given.operator, END, given.start, *settings, model, suite))

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from forest_bag.read.timeseries import Bag
 from forest_control.operator.operator_profile import OperatorProfile
-from forest_description.types import Floats
+from forest_description.types import AXES, Floats
 from forest_msgs_py.interfaces import topics
 from forest_study.demo.hand_measures import hand_measures
 from forest_study.latency import lever_delay
@@ -29,7 +29,8 @@ def bag_summary(bag: Bag, scheme: str, profile: OperatorProfile) -> dict[str, An
     `tip_error_mm` has the distances of the true tip from reference, drawn path and wish (`measures`), and
     `time_lost_s`; None in the joint scheme, where no tip motion is wished. `joy_to_valve_ms` is what the
     graph adds: the time from a joystick sample to the first voltage that answers a later state of the
-    machine. `lever_to_valve_ms` is what the hand feels (`lever_delay`).
+    machine. `lever_to_valve_ms` is what the hand feels (`lever_delay`). `valve_crossings` counts how often a
+    spool goes over its overlap.
     """
     counts = {name: _topic_summary(info) for name, info in sorted(bag.topics.items())}
     return {
@@ -38,6 +39,7 @@ def bag_summary(bag: Bag, scheme: str, profile: OperatorProfile) -> dict[str, An
         "tip_error_mm": None if scheme == "joint" else _tip_error_mm(bag, profile),
         "pump_work": pump_work(bag),
         "joy_to_valve_ms": joy_to_valve_ms(bag),
+        "valve_crossings": valve_crossings(bag.series(topics.VALVE_VOLTAGES).values),
         "lever_to_valve_ms": lever_delay.lever_to_valve_ms(bag),
         "missed_deadlines": int(bag.series(topics.AUXILIARY).column("missed_deadlines")[-1]),
     }
@@ -80,6 +82,16 @@ def work_per_metre(time: Floats, power: Floats, places: Floats) -> dict[str, flo
     work = 1e-3 * float(0.5 * (power[1:] + power[:-1]) @ np.diff(time))
     way = float(np.linalg.norm(np.diff(places, axis=0), axis=1).sum())
     return {"kj": round(work, 1), "kj_per_m": round(work / way, 1) if way > 0.0 else 0.0}
+
+
+def valve_crossings(voltages: Floats) -> dict[str, int]:
+    """Return how often each axis' voltage changes its side, zeros left out: its spool crosses the overlap.
+
+    Args:
+        voltages: [N, 3] V, a row a message.
+    """
+    sides = [np.sign(column[column != 0.0]) for column in voltages.T]
+    return {axis: int(np.count_nonzero(np.diff(side))) for axis, side in zip(AXES, sides, strict=True)}
 
 
 def joy_to_valve_ms(bag: Bag) -> dict[str, float] | None:

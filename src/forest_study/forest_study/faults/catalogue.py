@@ -210,8 +210,9 @@ SENSORS = {
     "resolver frozen": Fault(
         "one repeats its last reading",
         "Seen once its joint was told to go 0.02 rad. In taught work centred sticks arm again: the cycle"
-        " stays paused, but the tip is held by a wrong angle: gap.",
-        _state(Bound(way=0.45), Bound(zero=1.0)) | {State.TAUGHT: Bound(way=0.45, held=True)},
+        " stays paused, but the tip is held by a wrong angle: gap. So may a crane that stands inch.",
+        _state(Bound(way=0.45), Bound(zero=1.0))
+        | {State.STANDING: Bound(way=0.005, again=False), State.TAUGHT: Bound(way=0.45, held=True)},
         sensors="{axis}_resolver: frozen",
     ),
     "resolver drops half": Fault(
@@ -308,8 +309,8 @@ VALVES = {
     "short circuit": Fault(
         "full voltage on one valve; the operator lets go 0.5 s later",
         "The same. A joint at its end stop goes no further, and is not named.",
-        same(Bound(zero=0.8, told=OF_MACHINE, told_within=1.3, again=False), HELD)
-        | {State.TAUGHT: Bound(zero=0.8, again=False)}
+        same(Bound(zero=0.8, told=OF_MACHINE, told_within=1.6, again=False), MOVING)
+        | {state: Bound(zero=0.8, again=False) for state in (State.STANDING, State.TAUGHT)}
         | {State.EXPERIMENT: Bound(again=False)},
         volts=wires.wrong_from_here,
         let_go=0.5,

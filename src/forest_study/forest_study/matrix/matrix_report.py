@@ -27,13 +27,13 @@ DRAWN = {
 
 
 def summary(outcomes: Sequence[Outcome]) -> dict[str, Any]:
-    """Return worst and median of each figure over the seeds that ended; how many wishes kept their bound."""
+    """Return worst and median of each figure over the seeds that ended; whose wish is over its bound."""
     ended = [one.figures for one in outcomes if one.figures is not None]
     columns = {name: [getattr(one, name) for one in ended] for name in Figures._fields}
     return {
         "seeds": len(outcomes),
         "not_ended": [one.seed for one in outcomes if one.figures is None],
-        "keep_bound": sum(value <= 1.0 for value in columns["wish_over_bound"]),
+        "over_bound": [one.seed for one in outcomes if one.figures and one.figures.wish_over_bound > 1.0],
         "worst": {name: max(values, default=None) for name, values in columns.items()},
         "median": {name: float(np.median(values)) if ended else None for name, values in columns.items()},
     }
@@ -76,7 +76,7 @@ def _lines(text: str, found: Mapping[str, Any], aim: str) -> list[str]:
     count = f"{seeds}, {len(lost)} not ended" if lost else f"{seeds}"
     if len(lost) == seeds:
         return [f"| {text} | {count} {'| ' * (len(COLUMNS) - 2)}|"]
-    kept = f"{found['keep_bound']} of {seeds - len(lost)}"
+    kept = f"{seeds - len(lost) - len(found['over_bound'])} of {seeds - len(lost)}"
     return [
         f"| {text} | {count} | {_cells(found['worst'], kept)} | {aim} |",
         f"| | median | {_cells(found['median'], '')} | |",

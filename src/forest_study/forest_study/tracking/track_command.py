@@ -14,6 +14,7 @@ from forest_compile.kernel_cache import can_compile
 from forest_control.servo.joint_angle_filter import Source
 from forest_control.servo.schemes import LABELS, scheme_named
 from forest_control.taught.tip_path import TipPath
+from forest_control.valve.unlearnt_valves import told
 from forest_description.machine import Machine, load_machine
 from forest_msgs_py.runtime.command_line import number, whole
 from forest_study.closed_loop import model_mismatch
@@ -89,6 +90,8 @@ def run(options: argparse.Namespace) -> int:
     report = _run_all(paths, machine, model, options)
     write_json(options.out / "track.json", report)
     print(table(report))
+    if options.adapt and (unlearnt := told(model)):
+        print(f"  --adapt learns nothing at {unlearnt}")
     print(f"  {options.out / 'track.json'}")
     if options.through_ros:
         _judge(report["runs"])

@@ -2,6 +2,7 @@
 
 import { make, setText } from "../elements.js";
 import { makeButtons, makeSlider, namesIn } from "../settings/controls.js";
+import { meaning } from "../settings/meanings.js";
 import { makeTable } from "../settings/table.js";
 
 export const place = "right";
@@ -38,9 +39,13 @@ export function mount(element, station) {
     const there = FIRST.filter(({ node, name }) => nodes[node]?.[name]);
     if (there.length !== controls.size || there.some((one) => !controls.has(one))) {
       controls = new Map(there.map((one) => [one, made(one, nodes[one.node][one.name], set)]));
-      first.replaceChildren(...[...controls.values()].flatMap(({ label, element: control }) => [label, control]));
+      first.replaceChildren(...[...controls.values()].flatMap(({ label, element: control, means }) => [label, control, means]));
     }
-    for (const [one, control] of controls) control.show(nodes[one.node][one.name].value);
+    for (const [one, control] of controls) {
+      const { value } = nodes[one.node][one.name];
+      control.show(value);
+      setText(control.means, meaning(one.name, value));
+    }
     table.show(nodes);
   };
   station.on("parameters", (told) => {
@@ -52,7 +57,7 @@ export function mount(element, station) {
 function made(one, told, set) {
   const control = one.make(told, (value) => set(one.node, one.name, value));
   control.element.setAttribute("aria-label", one.label);
-  return { ...control, label: make("span", { textContent: one.label, title: told.text }) };
+  return { ...control, label: make("span", { textContent: one.label, title: told.text }), means: make("small") };
 }
 
 function choices(told, set) {

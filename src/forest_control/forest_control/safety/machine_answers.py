@@ -1,0 +1,138 @@
+"""How a machine answers its first commands: the rate of each joint, and the torque that bears its boom.
+
+Where no cylinder is measured, these tell another machine's file. Its valves give far other rates than the
+file says, though the driver allows for loads; or the pressures bear less than boom and stick alone weigh.
+
+| symbol | name | unit |
+|---|---|---|
+| u, v | commanded and measured joint rate, both low-passed by `TOGETHER`, u by its spool's lag, too | rad/s |
+| G | gain of a joint by least squares, integral of u v over that of u^2 | 1 |
+| W, W_0 | torque of the boom's cylinder, and of the weight of boom and stick, over the way | N m rad |
+| way | what the boom has gone up, and the swing either way, as commanded | rad |
+
+G is judged once a joint was told enough and moves, W once the way is `FREE`; what has answered right is not
+asked again. A joint that stands is not judged: it may be held; nor is one that goes back, which
+`machine_file` asks for its way. A boom that stands or goes down proves no weight: it may lean on what lies
+below. What goes up, or swings, is free.
+"""
+
+import math
+from typing import NamedTuple
+
+from forest_control.config.controller_settings import Parameters
+from forest_control.limits.load_weighing import Pressures, own_weight
+from forest_description.geometry.linkage import lever_arm
+from forest_description.types import ZERO, Vec3
+
+TOGETHER = 0.2  # [s] over the time in which a valve, and the oil behind it, answer
+COMMANDED = 0.002  # [rad/s] of u, from which it counts: less may be leakage that is fed
+TOLD = 8e-3  # [rad^2/s] of integral u^2 that judges, 0.1 rad/s for 0.8 s; the forwarder's oil fills till then
+MOVED = 2e-3  # [rad^2/s] of integral v^2 that judges a joint that is too fast: a quarter of it
+STIRRED = 5e-4  # [rad^2/s] of integral v^2 of a joint that does not stand
+TRUE = 0.7  # [1] least squared correlation of u and v of a joint that is slow; one that stopped has less
+SLOWEST, FASTEST = 0.4, 2.0  # [1] of G; 48 plants off their file by 40 % of gain gave 0.58 to 1.4
+FREE = 0.03  # [rad] 0.2 m of the tip at 6 m: what starts to move has settled
+LIGHTEST = 0.8  # [1] of W/W_0; an empty crane without its head gives 1, `loader` believed `c180` 0.4 to 0.65
+
+
+class Answers(NamedTuple):
+    """What a machine has answered."""
+
+    told: Vec3 = ZERO  # u [rad/s]
+    gone: Vec3 = ZERO  # v [rad/s]
+    squares: Vec3 = ZERO  # integral of u^2 [rad^2/s]
+    products: Vec3 = ZERO  # of u v
+    responses: Vec3 = ZERO  # of v^2
+    way: float = 0.0  # [rad]
+    borne: float = 0.0  # W [N m rad]
+    weight: float = 0.0  # W_0 [N m rad]
+
+
+NO_ANSWERS = Answers()
+
+
+def answered(
+    before: Answers, q: Vec3, u: Vec3, v: Vec3, pressures: Pressures, p: Parameters, dt: float
+) -> Answers:
+    """Return the answers after a sample.
+
+    Args:
+        before: as they were.
+        q: measured joint angles [rad].
+        u: joint rates that valves were opened for [rad/s]; zero of a shut one.
+        v: measured joint rates [rad/s].
+        pressures: in the boom's cylinder, head and rod side [Pa]; NaN: not measured.
+        p: the controller's parameters.
+        dt: since the last sample [s].
+    """
+    told = (
+        _passed(before.told[0], u[0], p.speed_limits.axes[0].spool.lag, dt),
+        _passed(before.told[1], u[1], p.speed_limits.axes[1].spool.lag, dt),
+        _passed(before.told[2], u[2], p.speed_limits.axes[2].spool.lag, dt),
+    )
+    gone = (
+        _passed(before.gone[0], v[0], 0.0, dt),
+        _passed(before.gone[1], v[1], 0.0, dt),
+        _passed(before.gone[2], v[2], 0.0, dt),
+    )
+    one, two, three = (
+        _summed(before, told, gone, 0, dt),
+        _summed(before, told, gone, 1, dt),
+        _summed(before, told, gone, 2, dt),
+    )
+    after = before._replace(
+        told=told,
+        gone=gone,
+        squares=(one[0], two[0], three[0]),
+        products=(one[1], two[1], three[1]),
+        responses=(one[2], two[2], three[2]),
+    )
+    c = p.weighing
+    force = c.areas[0] * pressures[0] - c.areas[1] * pressures[1]
+    way = dt * ((abs(v[0]) if u[0] * v[0] > 0.0 else 0.0) + (v[1] if u[1] > 0.0 and v[1] > 0.0 else 0.0))
+    if before.way >= FREE or way == 0.0 or math.isnan(force):
+        return after
+    torque, head = lever_arm(q[1], c.linkage) * force, c.gravity * c.empty_head * _reach(q, p)
+    return after._replace(
+        way=before.way + way,
+        borne=before.borne + torque * way,
+        weight=before.weight + (own_weight(q, c) - head) * way,
+    )
+
+
+def _passed(before: float, x: float, lag: float, dt: float) -> float:
+    """Return a rate [rad/s] behind the low-pass; lag: of what it passes before [s]."""
+    return before + (1.0 - math.exp(-dt / (TOGETHER + lag))) * (x - before)
+
+
+def _summed(before: Answers, told: Vec3, gone: Vec3, i: int, dt: float) -> tuple[float, float, float]:
+    """Return the sums of one joint; as before if it has proven right, is told nothing, or goes back."""
+    squares, products, responses = before.squares[i], before.products[i], before.responses[i]
+    u, v = told[i], gone[i]
+    if min(squares, responses) > TOLD or abs(u) < COMMANDED or u * v < 0.0:
+        return squares, products, responses
+    return squares + u * u * dt, products + u * v * dt, responses + v * v * dt
+
+
+def _reach(q: Vec3, p: Parameters) -> float:
+    """Return how far the tip is from the boom's pivot, outward [m]."""
+    return p.links.boom * math.cos(q[1]) + p.links.stick * math.cos(q[1] + q[2])
+
+
+def is_of_another_rate(answers: Answers, i: int) -> bool:
+    """Tell whether a joint moves far slower or faster than its file says."""
+    squares, products, responses = answers.squares[i], answers.products[i], answers.responses[i]
+    if responses > MOVED and products > FASTEST * squares:
+        return True
+    is_slow = squares > TOLD and responses > STIRRED and products < SLOWEST * squares
+    return is_slow and products * products > TRUE * squares * responses
+
+
+def gain(answers: Answers, i: int) -> float:
+    """Return G of a joint that was told something."""
+    return answers.products[i] / answers.squares[i]
+
+
+def is_too_light(answers: Answers) -> bool:
+    """Tell whether less bears the boom than boom and stick weigh."""
+    return answers.way >= FREE and answers.borne < LIGHTEST * answers.weight
