@@ -171,7 +171,7 @@ def restarted(node: str) -> Callable[[LiveCrane, float], float]:
         crane.begin()
         crane.processes[node].stop(signal.SIGKILL)
         crane.start_node(node, *(("-p", f"output:={crane.folder / 'anew'}") if node == "recorder" else ()))
-        healed = time.time()
+        healed = time.time() + LASTS  # it is there sooner; nothing moves before a deliberate act
         crane.until_time(REST + 2.0)
         return healed
 

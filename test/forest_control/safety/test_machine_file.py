@@ -107,7 +107,6 @@ def blind(loop):
         ("loader", "c180", "the pressures bear less than boom and stick weigh"),
         ("loader", "forwarder", "the pressures bear less than boom and stick weigh"),
         ("c180_hoses", "loader", "times as fast as commanded"),
-        ("c180_hoses", "forwarder", "times as fast as commanded"),
         ("forwarder", "loader", "times as fast as commanded"),
     ],
 )

@@ -10,8 +10,9 @@ file says, though the driver allows for loads; or the pressures bear less than b
 | W, W_0 | torque of the boom's cylinder, and of the weight of boom and stick, over the way | N m rad |
 | way | what the boom has gone up, and the swing either way, as commanded | rad |
 
-G is judged once a joint was told enough and moves, W once the way is `FREE`; what has answered right is not
-asked again. A joint that stands is not judged: it may be held; nor is one that goes back, which
+Rates count once a joint was told for `SETTLES`: before, it speeds up, and its oil is pressed. G is judged
+once a joint was told enough and moves, W once the way is `FREE`; what has answered right is not asked again.
+A joint that stands is not judged: it may be held; nor is one that goes back, which
 `machine_file` asks for its way. A boom that stands or goes down proves no weight: it may lean on what lies
 below. What goes up, or swings, is free.
 """
@@ -25,9 +26,11 @@ from forest_description.geometry.linkage import lever_arm
 from forest_description.types import ZERO, Vec3
 
 TOGETHER = 0.2  # [s] over the time in which a valve, and the oil behind it, answer
+SETTLES = 0.5  # [s] one way: a swing at full speed has sped up, and a joint that took a load has come to rest
 COMMANDED = 0.002  # [rad/s] of u, from which it counts: less may be leakage that is fed
 TOLD = 8e-3  # [rad^2/s] of integral u^2 that judges, 0.1 rad/s for 0.8 s; the forwarder's oil fills till then
 MOVED = 2e-3  # [rad^2/s] of integral v^2 that judges a joint that is too fast: a quarter of it
+ASKED = 5e-4  # [rad^2/s] of integral u^2 of such a joint: at twice the rate it has `MOVED`
 STIRRED = 5e-4  # [rad^2/s] of integral v^2 of a joint that does not stand
 TRUE = 0.7  # [1] least squared correlation of u and v of a joint that is slow; one that stopped has less
 SLOWEST, FASTEST = 0.4, 2.0  # [1] of G; 48 plants off their file by 40 % of gain gave 0.58 to 1.4
@@ -40,6 +43,7 @@ class Answers(NamedTuple):
 
     told: Vec3 = ZERO  # u [rad/s]
     gone: Vec3 = ZERO  # v [rad/s]
+    times: Vec3 = ZERO  # [s] for which each was told to go, one way
     squares: Vec3 = ZERO  # integral of u^2 [rad^2/s]
     products: Vec3 = ZERO  # of u v
     responses: Vec3 = ZERO  # of v^2
@@ -75,6 +79,11 @@ def answered(
         _passed(before.gone[1], v[1], 0.0, dt),
         _passed(before.gone[2], v[2], 0.0, dt),
     )
+    times = (
+        _told_for(before, told, 0, dt),
+        _told_for(before, told, 1, dt),
+        _told_for(before, told, 2, dt),
+    )
     one, two, three = (
         _summed(before, told, gone, 0, dt),
         _summed(before, told, gone, 1, dt),
@@ -83,6 +92,7 @@ def answered(
     after = before._replace(
         told=told,
         gone=gone,
+        times=times,
         squares=(one[0], two[0], three[0]),
         products=(one[1], two[1], three[1]),
         responses=(one[2], two[2], three[2]),
@@ -105,11 +115,18 @@ def _passed(before: float, x: float, lag: float, dt: float) -> float:
     return before + (1.0 - math.exp(-dt / (TOGETHER + lag))) * (x - before)
 
 
+def _told_for(before: Answers, told: Vec3, i: int, dt: float) -> float:
+    """Return for how long a joint has been told to go one way [s]."""
+    if abs(told[i]) < COMMANDED or told[i] * before.told[i] < 0.0:
+        return 0.0
+    return before.times[i] + dt
+
+
 def _summed(before: Answers, told: Vec3, gone: Vec3, i: int, dt: float) -> tuple[float, float, float]:
     """Return the sums of one joint; as before if it has proven right, is told nothing, or goes back."""
     squares, products, responses = before.squares[i], before.products[i], before.responses[i]
     u, v = told[i], gone[i]
-    if min(squares, responses) > TOLD or abs(u) < COMMANDED or u * v < 0.0:
+    if min(squares, responses) > TOLD or before.times[i] < SETTLES or u * v < 0.0:
         return squares, products, responses
     return squares + u * u * dt, products + u * v * dt, responses + v * v * dt
 
@@ -122,7 +139,7 @@ def _reach(q: Vec3, p: Parameters) -> float:
 def is_of_another_rate(answers: Answers, i: int) -> bool:
     """Tell whether a joint moves far slower or faster than its file says."""
     squares, products, responses = answers.squares[i], answers.products[i], answers.responses[i]
-    if responses > MOVED and products > FASTEST * squares:
+    if responses > MOVED and squares > ASKED and products > FASTEST * squares:
         return True
     is_slow = squares > TOLD and responses > STIRRED and products < SLOWEST * squares
     return is_slow and products * products > TRUE * squares * responses

@@ -6,7 +6,7 @@
 | a, b | pivot_to_base, pivot_to_rod | m |
 | φ | angle_offset, plus the resolver's static error | rad |
 
-    x^2 = A - B cos q + C sin q,   A = a^2 + b^2,  B = 2 a b cos φ,  C = 2 a b sin φ      Thesis App. A
+    x^2 = A - B cos q + C sin q,   A = a^2 + b^2,  B = 2 a b cos φ,  C = 2 a b sin φ
 
 It is linear in A, B and C. Of a and b the start says which is the greater. φ is not taken: no record tells
 an offset of the drawing from one of the resolver.
@@ -30,7 +30,7 @@ KEYS = ("pivot_to_base", "pivot_to_rod")
 
 
 def pivots(machine: Machine, sessions: Sequence[Session]) -> list[Estimate]:
-    """Return both pivots of boom and stick [m]; none of a cylinder that no record tells.
+    """Return both pivots of boom and stick [m]; none of a cylinder that no record tells. Thesis App. A.
 
     Args:
         machine: as told.
