@@ -8,6 +8,7 @@ import pytest
 
 pytest.importorskip("llvmlite")
 
+from distributed import LocalCluster
 from pyarrow import parquet
 
 from forest_control.servo.schemes import scheme_named
@@ -68,7 +69,7 @@ def test_a_worker_that_is_killed_loses_nothing_and_a_stopped_study_goes_on(tmp_p
     out, read = tmp_path / "out", read_study(study)
     store = sweep_command.Store(out, read)
     todo = batches(list(runs(read)), 2)
-    with cluster(None, 1) as client:
+    with cluster(None, 1) as own, cluster(own.scheduler.address, None) as client:
         (pid,) = client.run(os.getpid).values()
         found = results(client, read.kind, read.common, todo)
         store.add(next(found))
@@ -111,6 +112,15 @@ def test_another_study_or_other_versions_do_not_mix(tmp_path, study, capsys, tex
     study.write_text(text, encoding="utf-8")
     assert main(["sweep", str(study), "--out", str(out)]) == 1
     assert told in capsys.readouterr().err
+
+
+def test_what_fails_while_a_cluster_answers_is_told_as_it_is():
+    with (
+        LocalCluster(n_workers=0, host="127.0.0.1", dashboard_address=None) as scheduler,
+        pytest.raises(OSError, match="disk full"),
+        cluster(scheduler.scheduler_address, None),
+    ):
+        raise OSError("disk full")
 
 
 def test_a_scheduler_that_does_not_answer_is_named(tmp_path, study, capsys):

@@ -52,7 +52,7 @@ def _run_the_rest(study: Study, store: Store, options: argparse.Namespace) -> No
         return
     line, begun, before = StatusLine(sys.stdout), time.monotonic(), len(done)
     with cluster(options.scheduler, options.workers) as client:
-        workers = max(1, len(client.scheduler_info()["workers"]))
+        workers = max(1, len(client.nthreads()))
         print(f"{count - before} runs of {count}, {workers} workers; dashboard: {client.dashboard_link}")
         todo = batches([one for one in runs(study) if one.number not in done], workers)
         told = begun

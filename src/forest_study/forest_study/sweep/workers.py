@@ -12,8 +12,6 @@ from collections.abc import Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 from forest_compile.kernel_cache import can_compile
-from forest_control.taught.tip_path import PathError
-from forest_description.config.parameter import MachineError
 from forest_study.closed_loop import loop_kernel
 from forest_study.results import StudyError
 from forest_study.sweep.design import Run
@@ -41,7 +39,7 @@ def _run(kind: str, common: Mapping[str, Any], one: Run) -> Row:
     told = row(one)
     try:
         return told | KINDS[kind].figures({**common, **one.varied}, one.seed)
-    except (PathError, MachineError, StudyError) as error:
+    except (StudyError, ArithmeticError, ValueError) as error:  # a path or a machine that cannot be, too
         return told | {"error": str(error)}
 
 
@@ -73,10 +71,11 @@ def cluster(scheduler: str | None, workers: int | None) -> "Iterator[Client]":
     loop_kernel.KERNEL.kernel()  # made once, here: workers of our own find it in its cache
     if scheduler is not None:
         try:
-            with Client(scheduler, timeout="3s") as client:
-                yield client
+            found = Client(scheduler, timeout="3s")
         except (OSError, ValueError) as error:
             raise StudyError(f"no Dask scheduler answers at {scheduler}: {error}") from error
+        with found:
+            yield found
         return
     count = workers or len(os.sched_getaffinity(0))
     with (
