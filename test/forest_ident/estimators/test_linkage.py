@@ -48,6 +48,17 @@ def test_pivots_are_found_to_a_third_of_a_millimetre_whatever_the_resolvers_are_
         assert e.standard_error < 3e-4
 
 
+def test_which_pivot_is_the_greater_is_told_by_the_start_and_changes_no_error():
+    def turned(drive):
+        return dataclasses.replace(drive, pivot_to_base=drive.pivot_to_rod, pivot_to_rod=drive.pivot_to_base)
+
+    other = dataclasses.replace(TOLD, boom=turned(TOLD.boom), stick=turned(TOLD.stick))
+    one, two, three, four = pivots(TOLD, [swept()])
+    found = [(e.value, e.standard_error) for e in pivots(other, [swept()])]
+    expected = [(e.value, e.standard_error) for e in (two, one, four, three)]
+    np.testing.assert_allclose(found, expected, rtol=1e-9)
+
+
 def test_their_intervals_hold():
     away = [
         (e.value - truth(e.key)) / e.standard_error for seed in range(40) for e in pivots(TOLD, [swept(seed)])

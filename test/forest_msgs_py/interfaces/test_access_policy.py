@@ -39,6 +39,7 @@ def test_every_node_may_do_what_the_table_tells_and_no_more():
         assert allowed("publish")[node] == set(spoken(node)) | {PARAMETER_EVENTS}
         assert allowed("subscribe")[node] == set(heard(node)) <= known
     assert "valve_voltages" in heard("simulator")
+    assert {topic.name for topic in TOPICS if topic.recorded} <= allowed("subscribe")["recorder"]
 
 
 def test_nobody_may_ask_for_a_service():

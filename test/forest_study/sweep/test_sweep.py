@@ -17,6 +17,7 @@ from forest_study.cli import main
 from forest_study.sweep import sweep_command
 from forest_study.sweep.design import runs
 from forest_study.sweep.study import read_study
+from forest_study.sweep.trials import tracked
 from forest_study.sweep.workers import batches, cluster, results, run_batch
 from forest_study.tracking.paths import path_named
 from forest_study.tracking.tracking import noisy, track
@@ -47,6 +48,16 @@ def test_a_runs_figures_are_those_of_track():
         path_named("vertical"), 1.0, scheme_named("coordinated"), machine, machine, noisy(machine, 7)
     )
     assert {key: found[key] for key in expected.total._fields} == expected.total._asdict()
+
+
+def test_a_plant_that_the_controller_does_not_know_is_another_case_than_a_machine_that_it_knows():
+    case = {"machine": "c180_hoses", "path": "vertical", "speed": 1.5, "noise": False}
+    key = "valve.deadband_voltage"
+    as_filed, unknown, known = (
+        tracked({**case, **more}, 0)["governed_rms_mm"]
+        for more in ({}, {f"plant.{key}": 1.2}, {f"machine.{key}": 1.2})
+    )
+    assert unknown > 1.5 * max(as_filed, known)
 
 
 def runs_of(case):
