@@ -15,6 +15,7 @@ from forest_msgs_py.serialization.unpacking import ArrayReader, read_joy_data
 
 KEPT = 5000  # messages
 DRIVEN = 30  # messages
+SHUT = 60  # messages: 0.3 s, for a joint that is braked passes zero
 DEADMAN = 9  # button
 MET_S = 60.0
 
@@ -80,7 +81,7 @@ class CraneEars:
         await self.until(self.driven)
 
     async def still(self) -> None:
-        await self.until(lambda: self.voltages and not any(self.voltages[-1][1]))
+        await self.until(self.shut)
 
     def driven(self) -> bool:
         """Whether the valves are open, and the deadman has been held for a while."""
@@ -89,8 +90,12 @@ class CraneEars:
 
     def at_rest(self) -> bool:
         """Whether the deadman is released and the valves are shut."""
-        shut = self.voltages and not any(self.voltages[-1][1])
-        return bool(shut) and not any(joy.held for joy in self.joy[-1:])
+        return self.shut() and not any(joy.held for joy in self.joy[-1:])
+
+    def shut(self) -> bool:
+        """Whether the valves are shut, and have been for a while."""
+        newest = self.voltages[-SHUT:]
+        return len(newest) == SHUT and not any(any(values) for _, values in newest)
 
     def stop(self) -> Stop:
         """The newest stop, of a crane that was moved."""
