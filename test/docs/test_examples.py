@@ -46,6 +46,7 @@ NOT_RUN = {
     "how-to/debug-in-lockstep.md": 2,
     "how-to/sweep.md": 1,
     "how-to/secure-the-graph.md": 2,
+    "how-to/two-hosts.md": 4,
     "how-to/open-in-rviz-foxglove-plotjuggler.md": 5,
 }
 
