@@ -11,7 +11,7 @@ In the order in which data passes:
 - `thesis`: The thesis's evaluation of its control schemes (chapter 5), run anew.
 - `latency`: What late links cost.
 - `sweep`: Thousands of closed loops at once, from one file.
-- `stability`: How far the position loops are from swinging up: Bode plots and margins.
+- `stability`: How far the position loops are from instability: Bode plots and margins.
 - `delay_node`: A bad link as a node: what it hears on `topic_in` it says on `topic_out`, later, jittered,
   or not at all.
 - `experiments`: The experiments of `forest_ident` in a graph, in lockstep or live.
