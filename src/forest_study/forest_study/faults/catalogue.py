@@ -324,7 +324,7 @@ VALVES = {
     ),
     "valves' cable cut": Fault(
         "no voltage reaches the spools, and comes back",
-        "Nobody sees it: gap. When it comes back, the crane runs after its reference, at up to 3 m/s.",
+        "Joints that stand though their valves are open are named after some 1 s at 0.5 m/s.",
         same(Bound(off=1.3), DRIVEN) | {State.EXPERIMENT: Bound()},
         volts=wires.no_volts,
     ),
