@@ -25,7 +25,7 @@ from forest_control.servo.arm_feedforward import ArmModel, yielding_rates
 from forest_control.servo.inching import ARRIVED, MOVING, Inching, inched, is_due, served
 from forest_control.servo.link_bending import pushed
 from forest_control.servo.schemes import ERROR_LAG, FULL_RATE, Gains, Signals, coordinated
-from forest_control.servo.standing import Going, is_slow, stands, updated_going
+from forest_control.servo.standing import Going, is_ahead, is_slow, stands, updated_going
 from forest_control.servo.swing_feedforward import SwingModel, inertia
 from forest_description.derived.actuator_kinematics import Linkages, actuator_speeds_to_joint_rates
 from forest_description.types import ZERO, Vec3
@@ -232,7 +232,7 @@ def _joint_servo(
         return Joint(a=x.a, b=x.b, w=memory.w, error=filtered, holding=True, inching=inching), HELD
     # At rest the integral learns what leaks, through an open valve; behind a shut one, or before joints that
     # stand, it would wind up.
-    learns = not stand and (not still or (not shut and not holds))
+    learns = not (stand and is_ahead(x.a, error)) and (not still or (not shut and not holds))
     grown = memory.w + dt * p.integral[i] * error if learns else memory.w
     w = max(-p.integral_limit, min(p.integral_limit, grown))
     part = x.a / FULL_RATE

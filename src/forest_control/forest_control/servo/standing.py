@@ -56,4 +56,9 @@ def kept_near(r: Vec3, a: Vec3, s: Vec3) -> Vec3:
 
 
 def _kept_near(r: float, a: float, s: float) -> float:
-    return s + math.copysign(NEAR, a) if (r - s) * a > NEAR * abs(a) else r
+    return s + math.copysign(NEAR, a) if is_ahead(a, r - s) else r
+
+
+def is_ahead(a: float, e: float) -> bool:
+    """Tell whether a reference is too far ahead of a joint that stands, by e = r - s [rad]."""
+    return e * a > NEAR * abs(a)

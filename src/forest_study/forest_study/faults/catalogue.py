@@ -341,8 +341,8 @@ MACHINE = {
     ),
     "supply lost": Fault(
         "the pumps give nothing",
-        "The crane stands; in an experiment the supply pressure is told. Driving, nothing is told: gap.",
-        same(Bound(off=1.4, again=False), DRIVEN)
+        "The crane stands, and its joints are named; in an experiment the supply pressure is told.",
+        same(Bound(off=1.4, told="overload", again=False), DRIVEN)
         | {State.EXPERIMENT: Bound(told="the supply pressure", again=False)},
         breaks=wires.no_supply,
         for_good=True,
@@ -350,7 +350,7 @@ MACHINE = {
     "engine stalled": Fault(
         "it stands still",
         "The same.",
-        same(Bound(off=1.4, again=False), DRIVEN)
+        same(Bound(off=1.4, told="overload", again=False), DRIVEN)
         | {State.EXPERIMENT: Bound(told="the supply pressure", again=False)},
         breaks=wires.stalled,
         for_good=True,
