@@ -22,8 +22,9 @@ import numpy as np
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "test" / "helpers"))
 
 import hosts
+from live_crane import AGAIN, BEGUN, ENDS, REST
 from processes import Process
-from two_hosts import AGAIN, BEGUN, ENDS, HERE, REST, THERE, Outcome, TwoHosts
+from two_hosts import HERE, THERE, Outcome, Times, TwoHosts
 
 DOMAIN = 77
 CUT_AT = BEGUN + 0.7  # [s]
@@ -102,7 +103,7 @@ def run(case: Case, folder: Path) -> dict[str, Any]:
     here = ("joystick", "controller") if case.controller == "here" else ("joystick",)
     with link(case) as at:
         try:
-            graph = TwoHosts(start, at, folder, here, shifted(case.ahead, folder))
+            graph = TwoHosts(start, at, folder, Times(), here, shifted(case.ahead, folder))
             if case.cut:
                 graph.until(CUT_AT)
                 cut, _, healed = graph.cut(case.cut)

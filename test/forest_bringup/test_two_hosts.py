@@ -5,8 +5,9 @@ import pytest
 
 pytest.importorskip("rclpy")
 
-from two_hosts import AGAIN, BEGUN, ENDS, HERE, REST, THERE, TwoHosts
+from two_hosts import HERE, THERE, Times, TwoHosts
 
+TIMES = Times(begun=1.5, rest=3.2, again=3.8, ends=4.8)
 ZERO_S = 0.12  # command_timeout of the driver, and periods of state and watchdog
 WAITED_S = 0.1  # that a busy computer may keep the driver from its watchdog
 
@@ -21,11 +22,11 @@ def cable():
 def test_a_cut_link_stops_the_crane_and_it_moves_again_only_once_the_levers_rested(
     cable, domain_id, start_process, tmp_path
 ):
-    graph = TwoHosts(lambda words, env: start_process(words, python=False, env=env), cable, tmp_path)
-    graph.until(BEGUN + 1.0)
+    graph = TwoHosts(lambda words, env: start_process(words, python=False, env=env), cable, tmp_path, TIMES)
+    graph.until(TIMES.begun + 0.7)
     held, cut, healed = graph.cut(0.5)
     found = graph.end()
-    assert found.moved(held - 0.3, held), graph.text()
+    assert found.moved(TIMES.begun, held), graph.text()
     assert found.zero_after(cut, healed) < ZERO_S + WAITED_S, graph.text()
-    assert not found.moved(cut + ZERO_S + WAITED_S, REST), graph.text()
-    assert found.moved(AGAIN, ENDS), graph.text()
+    assert not found.moved(cut + ZERO_S + WAITED_S, TIMES.rest), graph.text()
+    assert found.moved(TIMES.again, TIMES.ends), graph.text()

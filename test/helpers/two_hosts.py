@@ -26,6 +26,15 @@ LATE_LINK = 9  # `limit` of controller/status
 Start = Callable[[list[str], Mapping[str, str]], Any]  # a command in an environment; gives its `Told`
 
 
+class Times(NamedTuple):
+    """Of the levers, as in `live_crane`, since the joystick's first sample [s]."""
+
+    begun: float = BEGUN
+    rest: float = REST
+    again: float = AGAIN
+    ends: float = ENDS
+
+
 class Outcome(NamedTuple):
     """What the machine's host recorded; times from the joystick's first sample."""
 
@@ -33,7 +42,7 @@ class Outcome(NamedTuple):
     time: np.ndarray  # [s] of each state of the machine
     tip: np.ndarray  # [m] its tip
     share: float  # smallest of their speed that the levers had for a late link; 1: it never was
-    unanswered: int  # states, from BEGUN to REST, for which no command came
+    unanswered: int  # states, in motion, for which no command came
     told: tuple[str, ...]  # warnings in the logs of both
 
     def zero_after(self, cut: float, healed: float) -> float:
@@ -53,6 +62,7 @@ class TwoHosts:
         start: starts a process.
         at: the two hosts.
         folder: for levers, logs and bag.
+        times: of the levers.
         here: nodes on the operator's host.
         machine_environment: further variables of the machine's host.
     """
@@ -62,12 +72,13 @@ class TwoHosts:
         start: Start,
         at: Sequence[str],
         folder: Path,
+        times: Times,
         here: Sequence[str] = ("joystick", "controller"),
         machine_environment: Mapping[str, str] | None = None,
     ) -> None:
-        self._at, self._bag = at, folder / "bag"
+        self._at, self._bag, self._times = at, folder / "bag", times
         levers, nodes = (
-            write_levers(folder / "levers.csv"),
+            write_levers(folder / "levers.csv", *times),
             ["controller", "valve_driver", "simulator", "recorder"],
         )
         there = [name for name in nodes if name not in here]
@@ -121,18 +132,18 @@ class TwoHosts:
 
     def end(self, clock_ahead: float = 0.0) -> Outcome:
         """Let the levers play to their end, stop both halves, and read the bag."""
-        self.until(ENDS)
+        self.until(self._times.ends)
         codes = [half.stop() for half in (self.operator, self.machine)]
         assert codes == [0, 0], self.text()
-        return _outcome(read_bag(self._bag), self.played() + clock_ahead, self.text())
+        return _outcome(read_bag(self._bag), self.played() + clock_ahead, self._times, self.text())
 
 
-def _outcome(bag: Bag, played: float, text: str) -> Outcome:
+def _outcome(bag: Bag, played: float, p: Times, text: str) -> Outcome:
     def since(topic: Any) -> np.ndarray:
         return bag.sent_ns(topic) * 1e-9 - played
 
     def between(times: np.ndarray) -> int:
-        return int(((times >= BEGUN) & (times < REST)).sum())
+        return int(((times >= p.begun) & (times < p.rest)).sum())
 
     volts = bag.series(topics.VALVE_VOLTAGES).values
     states = bag.series(topics.JOINT_STATES).values[:, :3]
@@ -147,6 +158,3 @@ def _outcome(bag: Bag, played: float, text: str) -> Outcome:
         unanswered=max(0, between(times) - between(commands)),
         told=tuple(dict.fromkeys(warned)),
     )
-
-
-__all__ = ["AGAIN", "BEGUN", "ENDS", "HERE", "REST", "THERE", "Outcome", "TwoHosts"]
