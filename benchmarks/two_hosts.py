@@ -1,9 +1,9 @@
-"""Two hosts: the crane beside its driver and recorder there, the joystick here, and a poor link between them.
+"""Two hosts: the crane beside its driver and recorder there, the joystick here, and a poor link between.
 
 `python benchmarks/two_hosts.py --out DIR [--cases TEXT ...] [--picture FILE]`, as root, 20 s a case, makes
-two network namespaces. Each case is a live graph of its own with the same levers, on a link that delays, loses or
-is cut. What has been run is kept in DIR, and not run again. All is judged by what the recorder beside the
-machine wrote. Delays are those of a round trip, half of it each way.
+two network namespaces. Each case is a live graph of its own with the same levers, on a link that delays,
+loses or is cut. What has been run is kept in DIR, and not run again. All is judged by what the recorder
+beside the machine wrote. Delays are those of a round trip, half of it each way.
 """
 
 import argparse
@@ -24,6 +24,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "test" / "helpers")
 import hosts
 from live_crane import AGAIN, BEGUN, ENDS, REST
 from processes import Process
+
 from two_hosts import HERE, THERE, Outcome, Times, TwoHosts
 
 DOMAIN = 77
