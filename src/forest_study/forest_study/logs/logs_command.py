@@ -4,9 +4,10 @@ import argparse
 import json
 from typing import Any
 
+from forest_description.machine import load_machine
 from forest_msgs_py.runtime.command_line import number, whole
 from forest_study.log_work.crane import MODES
-from forest_study.logs import tables
+from forest_study.logs import report, tables
 from forest_study.results import write_json
 from forest_study.sweep.store import Store
 from forest_study.sweep.study import study_of
@@ -39,12 +40,15 @@ def run(options: argparse.Namespace) -> int:
     store = Store(options.out, study)
     run_the_rest(study, store, None, options.workers)
     found = tables.groups(store.finish(), _each(options.mode))
-    report = {"machine": options.machine, "persons": options.seeds, "groups": tables.told(found)}
-    write_json(options.out / "logs.json", report)
+    told = {"machine": options.machine, "persons": options.seeds, "groups": tables.told(found)}
+    write_json(options.out / "logs.json", told)
     text = tables.text(found)
     (options.out / "logs.md").write_text(text + "\n", encoding="utf-8")
     print(text)
-    print(f"  {options.out / 'logs.json'}")
+    machine, operators = load_machine(options.machine), _each(options.operator)
+    page = options.out / "logs.html"
+    report.write(page, machine, operators, options.seeds, found, _made(options))
+    print(f"  {page}")
     return 1 if any(n for group in found for n in group.failed.values()) else 0
 
 
@@ -61,6 +65,16 @@ def _text(options: argparse.Namespace) -> str:
         "seeds": options.seeds,
     }
     return json.dumps(study, indent=2) + "\n"
+
+
+def _made(options: argparse.Namespace) -> str:
+    """Return the command that makes the same."""
+    modes, operators = " ".join(_each(options.mode)), " ".join(_each(options.operator))
+    trips = " ".join(f"{trip:g}" for trip in _each(options.trip))
+    return (
+        f"forest-study logs --machine {options.machine} --mode {modes} --operator {operators} "
+        f"--trip {trips} --seeds {options.seeds}"
+    )
 
 
 def _each(values: list[Any]) -> list[Any]:
