@@ -13,10 +13,11 @@ from forest_ident.report import html_page
 from forest_study.log_work import person, trial
 from forest_study.log_work.clearance import chain
 from forest_study.log_work.site import Site, site_of
+from forest_study.log_work.work import Work
 from forest_study.logs.tables import SHOWN, Group, change, name
 
 PUBLISHED = {"loading": -5.2, "unloading": -7.9}  # [%] Silva Fennica 10161
-COLOURS = {"joint": "tab:red", "tip": "tab:blue", "assisted": "tab:green"}
+COLOURS = {"joint": "tab:red", "tip": "tab:blue", "assisted": "tab:green", "taught": "tab:purple"}
 PARTS = ("up", "across", "down", "grapple")
 
 
@@ -139,7 +140,7 @@ def _changes(found: Sequence[Group]) -> Any:
     return figure
 
 
-def _paths(site: Site, done: dict[str, trial.Work]) -> Any:
+def _paths(site: Site, done: dict[str, Work]) -> Any:
     from matplotlib.figure import Figure
 
     figure = Figure(figsize=(9.0, 4.2), layout="constrained")
