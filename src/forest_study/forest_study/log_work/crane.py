@@ -35,6 +35,7 @@ LOOK = 4  # [periods] between two looks: 20 ms, ten to an operator's delay
 MODES = ("joint", "tip", "assisted", "taught")
 FASTEST = 3.0  # [m/s] that a lever may ask for, the setting's bound
 HEAD = tuple(f"loop.simulation.plant.head.{name}" for name in ("alpha", "beta"))
+ARMED = "loop.control.permission.joystick.armed"
 
 
 class Piece(NamedTuple):
@@ -102,7 +103,7 @@ class Crane:
         half = max(0, round(0.5 * trip / (LOOK * PERIOD)))
         self._said: deque[Levers] = deque([REST] * half, maxlen=half + 1)
         names = [path for path, _ in flat_layout.leaves(self._session.loop, "loop")]
-        self._head = [names.index(name) for name in HEAD]
+        self._head, self._armed = [names.index(name) for name in HEAD], names.index(ARMED)
         self._looks: list[Seen] = []
         self._shown: deque[Seen] = deque(maxlen=half + 1)
 
@@ -110,6 +111,11 @@ class Crane:
     def time(self) -> float:
         """Since the start [s]."""
         return self._session.row * PERIOD
+
+    @property
+    def stopped(self) -> bool:
+        """Whether the controller's guard has taken the levers away."""
+        return not self._session.state[self._armed]
 
     @property
     def over(self) -> bool:

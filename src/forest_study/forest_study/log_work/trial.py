@@ -101,10 +101,11 @@ class _Shift:
             self._seen = self._look(leg, HOLD, self._hands.rest())
 
     def _look(self, leg: Leg, part: str, levers: Levers) -> Seen:
+        where = f"it ended in carry {leg.number}, {part}"
+        if self._crane.stopped:
+            raise StudyError(f"logs: the controller's guard stopped the crane: {where}")
         if self._crane.over:
-            raise StudyError(
-                f"logs: the task is not done in {LONGEST:g} s: it ended in carry {leg.number}, {part}"
-            )
+            raise StudyError(f"logs: the task is not done in {LONGEST:g} s: {where}")
         self.numbers.append(leg.number)
         self.parts.append(part)
         self.loads.append(self._carries)
