@@ -47,6 +47,7 @@ NOT_RUN = {
     "how-to/sweep.md": 1,
     "how-to/move-logs.md": 2,
     "how-to/secure-the-graph.md": 2,
+    "how-to/two-hosts.md": 4,
     "how-to/open-in-rviz-foxglove-plotjuggler.md": 5,
 }
 

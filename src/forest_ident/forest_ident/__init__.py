@@ -14,6 +14,7 @@ In the order in which data passes:
 - `model_choice`: Physics that the model lacks: named from residuals, fitted when allowed, judged by held-out
   records.
 - `report`: The results as a page, plots and a machine file.
+- `diagnosis`: Is the machine still what it was? Faults found from the topics of everyday work.
 - `online`: Running estimates while the machine works.
 - `online_node`: On-line identification as a node: running estimates of overlap, gain and damping beside the
   off-line fit.
