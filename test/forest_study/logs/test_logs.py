@@ -45,7 +45,7 @@ def told(tmp_path_factory):
     """Run one person in two modes: arguments, report, table, page."""
     pytest.importorskip("distributed")
     out = tmp_path_factory.mktemp("logs") / "out"
-    arguments = ["logs", "--machine", "forwarder", "--mode", "joint", "tip", "--operator", "expert"]
+    arguments = ["logs", "--machine", "forwarder", "--mode", "tip", "assisted", "--operator", "expert"]
     arguments += ["--seeds", "1", "--workers", "1", "--out", str(out)]
     assert main(arguments) == 0
     texts = [(out / name).read_text("utf-8") for name in ("logs.json", "logs.md", "logs.html")]
@@ -56,8 +56,8 @@ def test_the_command_compares_the_modes_of_the_same_person(told, capsys):
     arguments, report, table, _ = told
     (group,) = report["groups"]
     times = {mode: figures["time"]["value"] for mode, figures in group["modes"].items()}
-    assert group["saved"]["tip"]["time"]["saved"] == pytest.approx(1.0 - times["tip"] / times["joint"])
-    assert "| expert | tip | 1 |" in table
+    assert group["saved"]["assisted"]["time"]["saved"] == pytest.approx(1.0 - times["assisted"] / times["tip"])
+    assert "| expert | assisted | 1 |" in table
     assert main(arguments) == 0  # whole: the table is told anew
     assert "runs of" not in capsys.readouterr().out
 
@@ -67,7 +67,7 @@ def test_the_page_says_what_is_shown_and_on_what_it_hangs(told):
     assert "one person shows nothing" in page
     assert page.count("data:image/png;base64,") == 3
     assert "Polowy and Rutkowski 2024" in page
-    assert "forest-study logs --machine forwarder --mode joint tip --operator expert" in page
+    assert "forest-study logs --machine forwarder --mode tip assisted --operator expert" in page
     assert "http" not in page.replace("https://doi.org", "")  # one file: nothing is fetched
 
 

@@ -21,7 +21,7 @@ MACHINE = load_machine("forwarder")
 
 @pytest.fixture(scope="module")
 def done():
-    return trial.work(MACHINE, "joint", read_person("expert"), 0.0, 0)
+    return trial.work(MACHINE, "tip", read_person("expert"), 0.0, 0)
 
 
 def _bag(work, acts=8):
