@@ -72,3 +72,20 @@ def test_reversals_and_axes_count_deflections_and_not_play():
     assert measures.reversals(lever) == 2
     both = np.column_stack([lever, np.full(8, 0.3), np.zeros(8)])
     assert measures.axes_at_once(both) == pytest.approx(13 / 8)
+
+
+def test_a_crane_that_its_guard_stops_ends_the_trial(monkeypatch):
+    monkeypatch.setattr(Crane, "stopped", property(lambda crane: crane.time > 0.5))
+    with pytest.raises(StudyError, match="guard stopped the crane: it ended in carry 1"):
+        trial.work(MACHINE, "tip", read_person("expert"), 0.0, 0)
+
+
+def test_the_guard_that_disarms_the_levers_is_seen():
+    site = site_of(MACHINE)
+    x, y, z = start(site)
+    crane = Crane(MACHINE, "tip", (x, y, z + site.hang), 1.0, 0.0, 0)
+    crane.look((0.0, 0.0, 0.0))
+    assert not crane.stopped
+    crane._session.levers[:, 3] = 0.0  # the deadman is let go
+    crane.look((0.0, 0.0, 0.0))
+    assert crane.stopped

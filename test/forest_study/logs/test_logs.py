@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from forest_study.cli import main
+from forest_study.logs.report import answers
 from forest_study.logs.statistics import difference, mean
 from forest_study.logs.tables import SHOWN, groups, text
 
@@ -41,23 +42,53 @@ def test_one_person_has_no_interval():
 
 @pytest.fixture(scope="module")
 def told(tmp_path_factory):
-    """Run one person in two modes."""
+    """Run one person in two modes: arguments, report, table, page."""
     pytest.importorskip("distributed")
     out = tmp_path_factory.mktemp("logs") / "out"
-    arguments = ["logs", "--machine", "forwarder", "--mode", "joint", "tip", "--operator", "expert"]
+    arguments = ["logs", "--machine", "forwarder", "--mode", "tip", "assisted", "--operator", "expert"]
     arguments += ["--seeds", "1", "--workers", "1", "--out", str(out)]
     assert main(arguments) == 0
-    return arguments, json.loads((out / "logs.json").read_text("utf-8")), (out / "logs.md").read_text("utf-8")
+    texts = [(out / name).read_text("utf-8") for name in ("logs.json", "logs.md", "logs.html")]
+    return arguments, json.loads(texts[0]), *texts[1:]
 
 
 def test_the_command_compares_the_modes_of_the_same_person(told, capsys):
-    arguments, report, table = told
+    arguments, report, table, _ = told
     (group,) = report["groups"]
     times = {mode: figures["time"]["value"] for mode, figures in group["modes"].items()}
-    assert group["saved"]["tip"]["time"]["saved"] == pytest.approx(1.0 - times["tip"] / times["joint"])
-    assert "| expert | tip | 1 |" in table
+    assert group["saved"]["assisted"]["time"]["saved"] == pytest.approx(1.0 - times["assisted"] / times["tip"])
+    assert "| expert | assisted | 1 |" in table
     assert main(arguments) == 0  # whole: the table is told anew
     assert "runs of" not in capsys.readouterr().out
+
+
+def test_the_page_says_what_is_shown_and_on_what_it_hangs(told):
+    page = told[3]
+    assert "one person shows nothing" in page
+    assert page.count("data:image/png;base64,") == 3
+    assert "Polowy and Rutkowski 2024" in page
+    assert "forest-study logs --machine forwarder --mode tip assisted --operator expert" in page
+    assert "http" not in page.replace("https://doi.org", "")  # one file: nothing is fetched
+
+
+def test_the_answer_is_that_of_the_interval():
+    rng = np.random.default_rng(3)
+
+    def group(factor):
+        rows = []
+        for seed in range(12):
+            base = 90.0 * np.exp(0.3 * rng.standard_normal())
+            noise = np.exp(0.02 * rng.standard_normal())
+            for mode, time in (("joint", base), ("tip", base * factor * noise)):
+                figures = dict.fromkeys(SHOWN, time)
+                rows.append(
+                    {"operator": "expert", "trip": 0.0, "mode": mode, "seed": seed, "error": None} | figures
+                )
+        return groups(rows, ["joint", "tip"])
+
+    assert ": faster;" in answers(group(0.9))[0]
+    assert ": slower;" in answers(group(1.1))[0]
+    assert ": no difference is shown;" in answers(group(1.0))[0]
 
 
 def test_a_trial_that_was_not_ended_is_counted_and_its_pair_left_out():

@@ -10,8 +10,9 @@ from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from forest_ident.estimators.parameter_estimate import NORMAL_95
 from forest_ident.validation.prediction_error import limit
 
+LOADER = FileSystemLoader(Path(__file__).parent / "templates")
 ENVIRONMENT = Environment(
-    loader=FileSystemLoader(Path(__file__).parent / "templates"),
+    loader=LOADER,
     autoescape=True,
     trim_blocks=True,
     undefined=StrictUndefined,

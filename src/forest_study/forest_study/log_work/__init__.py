@@ -7,6 +7,8 @@ In the order in which data passes:
 - `person`: An operator's numbers, each with its source, from a file; practice changes them.
 - `hands`: What that operator says by three levers, joint by joint or of the tip.
 - `crane`: The machine in closed loop, moved a look of the operator at a time.
+- `work`: A trial as it went.
+- `taught`: The task as a taught cycle that is played.
 - `trial`: The task done once.
 - `clearance`: How near crane and log come to ground, bunk and stakes; contacts.
 - `stability`: How far the vehicle is from tipping over.

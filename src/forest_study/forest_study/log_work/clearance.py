@@ -35,13 +35,13 @@ def contacts(m: Manipulator, site: Site, angles: Floats, head: Floats, loaded: F
     for a, b, radius, there in (
         (root, tip, STICK * site.scale, np.ones(len(angles), dtype=bool)),
         (tip, grip, GRAPPLE * site.scale, np.ones(len(angles), dtype=bool)),
-        (*ends, site.log_radius, loaded > 0.5),
+        (*ends, site.log_radius, loaded > 0.0),
     ):
         for foot in site.stakes:
             gap = _from_stake(a, b, np.array(foot), site.stake_top) - radius - site.stake_radius
             found += _events((gap < 0.0) & there)
     lowest = np.minimum(ends[0][:, 2], ends[1][:, 2])
-    found += _events((lowest - site.log_radius < site.ground - site.near) & (loaded > 0.5))
+    found += _events((lowest - site.log_radius < site.ground - site.near) & (loaded > 0.0))
     found += _events(grip[:, 2] < site.ground - site.near)
     return found + _events(_over_bunk(grip, site) & (grip[:, 2] < site.floor - site.near))
 

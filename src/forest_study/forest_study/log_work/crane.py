@@ -4,7 +4,9 @@ The link's round trip is halved: the crane is seen half of it late, and the leve
 joystick speaks in every period, so that the guard does not take the delay for silence.
 """
 
+import math
 from collections import deque
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -20,18 +22,28 @@ from forest_description.geometry.kinematics import Links
 from forest_description.machine import Machine
 from forest_description.types import Floats, Vec3
 from forest_msgs_py.types import PERIOD
-from forest_sim.equations.plant_parameters import plant_parameters
+from forest_sim.equations.plant_parameters import PlantParameters, plant_parameters
 from forest_sim.simulation.load import Load, loaded
 from forest_sim.solver.compiled_plant import compiled_record
+from forest_sim.solver.integrator import Simulation
 from forest_sim.solver.state_recording import ENERGY, STATE
 from forest_study.closed_loop import loop_kernel
 from forest_study.closed_loop.loop_core import SUBSTEPS
 from forest_study.tracking.tracking import noisy
 
 LOOK = 4  # [periods] between two looks: 20 ms, ten to an operator's delay
-MODES = ("joint", "tip", "assisted")
+MODES = ("joint", "tip", "assisted", "taught")
 FASTEST = 3.0  # [m/s] that a lever may ask for, the setting's bound
 HEAD = tuple(f"loop.simulation.plant.head.{name}" for name in ("alpha", "beta"))
+ARMED = "loop.control.permission.joystick.armed"
+
+
+class Piece(NamedTuple):
+    """A machine from a row on, until its load changes."""
+
+    row: int
+    simulation: Simulation
+    plant: PlantParameters
 
 
 class Seen(NamedTuple):
@@ -87,11 +99,11 @@ class Crane:
         )
         self._session, self._plant = loop_kernel.Session(prepared), plant_parameters(machine)
         first = self._session.loop.simulation
-        self._pieces = [(0, first, self._plant)]  # row, machine and parameters from there on
+        self._pieces = [Piece(0, first, self._plant)]
         half = max(0, round(0.5 * trip / (LOOK * PERIOD)))
         self._said: deque[Levers] = deque([REST] * half, maxlen=half + 1)
         names = [path for path, _ in flat_layout.leaves(self._session.loop, "loop")]
-        self._head = [names.index(name) for name in HEAD]
+        self._head, self._armed = [names.index(name) for name in HEAD], names.index(ARMED)
         self._looks: list[Seen] = []
         self._shown: deque[Seen] = deque(maxlen=half + 1)
 
@@ -99,6 +111,11 @@ class Crane:
     def time(self) -> float:
         """Since the start [s]."""
         return self._session.row * PERIOD
+
+    @property
+    def stopped(self) -> bool:
+        """Whether the controller's guard has taken the levers away."""
+        return not self._session.state[self._armed]
 
     @property
     def over(self) -> bool:
@@ -122,7 +139,7 @@ class Crane:
         """Grasp a log, or drop it: a load of no mass."""
         self._plant = loaded(plant_parameters(self.machine), self.machine.manipulator, load)
         self._session.change_load(self._plant)
-        self._pieces.append((self._session.row, self._session.loop.simulation, self._plant))
+        self._pieces.append(Piece(self._session.row, self._session.loop.simulation, self._plant))
 
     def looks(self) -> tuple[Floats, Floats]:
         """Return joint angles and those of what hangs at each look, [N, 3] and [N, 2] rad."""
@@ -137,14 +154,36 @@ class Crane:
         return self._session.recorded[LOOK - 1 : self._session.row : LOOK, 3:6]
 
     def engine_work(self) -> Floats:
-        """Return the engine's work over each look [N] J: the plant's own account, by the same voltages."""
-        record, work = compiled_record(), []
-        ends = [row for row, _, _ in self._pieces[1:]] + [self._session.row]
-        for (begin, simulation, plant), end in zip(self._pieces, ends, strict=True):
-            if end > begin:
-                volts = np.repeat(self._session.recorded[begin:end, 12:15], SUBSTEPS, axis=0)
-                states, energies = np.zeros((end - begin, len(STATE))), np.zeros((end - begin, len(ENERGY)))
-                record(simulation, volts, PERIOD / SUBSTEPS, plant, states, energies)
-                work.append(energies[:, ENERGY.index("pump_engine")])
-        total: Floats = np.concatenate(work).reshape(-1, LOOK).sum(axis=1)
-        return total
+        """Return the engine's work over each look [N] J."""
+        return engine_work(self._pieces, self._session.recorded[: self._session.row, 12:15])
+
+
+def grip_of(seen: Seen, hang: float) -> Vec3:
+    """Return where the grip is seen [m], so far below the tip [m]."""
+    swing, (a, b) = seen.angles[0], seen.head
+    c, s = math.cos(swing), math.sin(swing)
+    x, y, z = math.sin(a) * math.cos(b), math.sin(b), -math.cos(a) * math.cos(b)
+    return (
+        seen.tip[0] + hang * (x * c - y * s),
+        seen.tip[1] + hang * (x * s + y * c),
+        seen.tip[2] + hang * z,
+    )
+
+
+def engine_work(pieces: Sequence[Piece], voltages: Floats) -> Floats:
+    """Return the engine's work over each look [N] J: the plant's own account, by the same voltages.
+
+    Args:
+        pieces: the machine from its beginning on, and from each change of its load.
+        voltages: at the valves, a row a period [V].
+    """
+    record, work = compiled_record(), []
+    ends = [piece.row for piece in pieces[1:]] + [len(voltages)]
+    for piece, end in zip(pieces, ends, strict=True):
+        if end > piece.row:
+            volts = np.repeat(voltages[piece.row : end], SUBSTEPS, axis=0)
+            states, energies = (np.zeros((end - piece.row, len(of))) for of in (STATE, ENERGY))
+            record(piece.simulation, volts, PERIOD / SUBSTEPS, piece.plant, states, energies)
+            work.append(energies[:, ENERGY.index("pump_engine")])
+    total: Floats = np.concatenate(work).reshape(-1, LOOK).sum(axis=1)
+    return total

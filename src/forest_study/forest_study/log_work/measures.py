@@ -18,7 +18,7 @@ import numpy as np
 from forest_description.types import Floats
 from forest_study.log_work import clearance, stability
 from forest_study.log_work.task import ACROSS, DOWN, HOLD, PHASES, UP, shortest
-from forest_study.log_work.trial import LOOK_TIME, Work
+from forest_study.log_work.work import LOOK_TIME, Work
 
 PUSHED = 0.05  # [1] of a lever that counts as moved
 FUEL = 0.0694  # [mL/kJ] of a diesel engine: 210 g/kWh at 0.84 g/mL; assumed, its best at half load

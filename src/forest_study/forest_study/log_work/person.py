@@ -72,6 +72,15 @@ def read_person(name: str, changes: Mapping[str, float] | None = None) -> Person
         raise StudyError(f"{name}: {error}") from error
 
 
+def sources(name: str) -> dict[str, str]:
+    """Return the source of each number that an operator's file, or one that it is based on, has.
+
+    Raises:
+        StudyError: as `read_person`.
+    """
+    return {key: str(entry["source"]) for key, entry in _numbers(name).items()}
+
+
 def _numbers(name: str) -> dict[str, dict[str, Any]]:
     """Return a file's entries over those of the file that it is based on."""
     file = FOLDER / f"{name}.yaml" if name in SHIPPED else Path(name)

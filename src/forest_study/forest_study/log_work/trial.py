@@ -5,7 +5,6 @@ with the crane and what hangs still enough. Then the operator takes `reaction`, 
 """
 
 import math
-from typing import NamedTuple
 
 import numpy as np
 
@@ -14,34 +13,17 @@ from forest_description.derived.limits import joint_limits
 from forest_description.geometry.kinematics import inverse_kinematics
 from forest_description.machine import Machine
 from forest_description.types import Floats, Vec3
-from forest_msgs_py.types import PERIOD
 from forest_sim.simulation.load import Load
-from forest_study.log_work.crane import LOOK, Crane, Seen
+from forest_study.log_work import taught
+from forest_study.log_work.crane import Crane, Seen, grip_of
 from forest_study.log_work.hands import Hands
 from forest_study.log_work.person import Person
 from forest_study.log_work.site import Site, site_of
 from forest_study.log_work.task import ACROSS, GRASP, HOLD, RELEASE, UP, Leg, legs, start
+from forest_study.log_work.work import LONGEST, LOOK_TIME, SLOW, Work
 from forest_study.results import StudyError
 
-LONGEST = 240.0  # [s] of a trial
 BLEND = 0.5  # [m] from a leg's end at which the next begins, on a crane that reaches 8 m; assumed
-SLOW = 0.15  # [m/s] of the grip at which a grapple is closed or opened; assumed
-LOOK_TIME = LOOK * PERIOD
-
-
-class Work(NamedTuple):
-    """A trial as it went, a row a look."""
-
-    machine: Machine
-    site: Site
-    angles: Floats  # [N, 3] rad
-    head: Floats  # [N, 2] rad
-    tip: Floats  # [N, 3] m
-    levers: Floats  # [N, 3]
-    engine: Floats  # [N] J
-    number: Floats  # [N] of the carry or way
-    part: tuple[str, ...]  # N parts of it
-    loaded: Floats  # [N] 1 while a log is in the grapple
 
 
 def work(machine: Machine, mode: str, person: Person, trip: float, seed: int) -> Work:
@@ -57,6 +39,8 @@ def work(machine: Machine, mode: str, person: Person, trip: float, seed: int) ->
     Raises:
         StudyError: the task is not done in `LONGEST`, or the machine does not reach it.
     """
+    if mode == "taught":
+        return taught.work(machine, person, trip, seed)
     site = site_of(machine)
     x, y, z = start(site)
     crane = Crane(machine, mode, (x, y, z + site.hang), LONGEST, trip, seed)
@@ -92,7 +76,7 @@ class _Shift:
         self.numbers, self.parts, self.loads = list[int](), list[str](), list[bool]()
         self._limits = np.array(joint_limits(crane.machine)).T
         self._seen = self._look(legs(site)[0], HOLD, REST)
-        self._grip = _grip(self._seen, site)
+        self._grip = grip_of(self._seen, site.hang)
 
     def go(self, leg: Leg) -> None:
         """Steer to a leg's end."""
@@ -101,7 +85,7 @@ class _Shift:
             levers = self._hands.steer(self._left(leg.goal), self._speeds, self._crane.time)
             before = self._grip
             self._seen = self._look(leg, leg.part, levers)
-            self._grip = _grip(self._seen, self._site)
+            self._grip = grip_of(self._seen, self._site.hang)
             self._speed = math.dist(before, self._grip) / LOOK_TIME
 
     def act(self, leg: Leg) -> None:
@@ -110,17 +94,18 @@ class _Shift:
         self._carries = leg.act == "grasp"
         self._crane.hold(Load(self._site.log_mass if self._carries else 0.0, self._site.log_length))
         self._wait(leg, self._person.reaction)
-        self._grip = _grip(self._seen, self._site)
+        self._grip = grip_of(self._seen, self._site.hang)
 
     def _wait(self, leg: Leg, seconds: float) -> None:
         for _ in range(round(seconds / LOOK_TIME)):
             self._seen = self._look(leg, HOLD, self._hands.rest())
 
     def _look(self, leg: Leg, part: str, levers: Levers) -> Seen:
+        where = f"it ended in carry {leg.number}, {part}"
+        if self._crane.stopped:
+            raise StudyError(f"logs: the controller's guard stopped the crane: {where}")
         if self._crane.over:
-            raise StudyError(
-                f"logs: the task is not done in {LONGEST:g} s: it ended in carry {leg.number}, {part}"
-            )
+            raise StudyError(f"logs: the task is not done in {LONGEST:g} s: {where}")
         self.numbers.append(leg.number)
         self.parts.append(part)
         self.loads.append(self._carries)
@@ -148,15 +133,3 @@ class _Shift:
         here = math.hypot(at.tip[0], at.tip[1])
         turn = math.remainder(math.atan2(y, x) - at.angles[0], math.tau)
         return np.array([here * turn, tip[2] - at.tip[2], math.hypot(x, y) - here])
-
-
-def _grip(seen: Seen, site: Site) -> Vec3:
-    """Return where the grip is seen [m]."""
-    swing, (a, b) = seen.angles[0], seen.head
-    c, s = math.cos(swing), math.sin(swing)
-    x, y, z = math.sin(a) * math.cos(b), math.sin(b), -math.cos(a) * math.cos(b)
-    return (
-        seen.tip[0] + site.hang * (x * c - y * s),
-        seen.tip[1] + site.hang * (x * s + y * c),
-        seen.tip[2] + site.hang * z,
-    )

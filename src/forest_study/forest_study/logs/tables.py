@@ -73,7 +73,7 @@ def text(found: Sequence[Group]) -> str:
     lines: list[str] = []
     for group in found:
         lines += [
-            f"{_name(group)}: mean ± 95 % over persons",
+            f"{name(group)}: mean ± 95 % over persons",
             "",
             f"| figure | {' | '.join(group.modes)} |",
             "|---" * (1 + len(group.modes)) + "|",
@@ -93,7 +93,7 @@ def text(found: Sequence[Group]) -> str:
     for group in found:
         for mode, by in group.saved.items():
             cells = [change(by[figure]) for figure in TIMES]
-            lines.append(f"| {_name(group)} | {mode} | {by['time'].pairs} | {' | '.join(cells)} |")
+            lines.append(f"| {name(group)} | {mode} | {by['time'].pairs} | {' | '.join(cells)} |")
     return "\n".join(lines)
 
 
@@ -102,7 +102,8 @@ def change(d: Difference) -> str:
     return f"{-100 * d.saved:+.1f} % ({-100 * d.high:+.1f} … {-100 * d.low:+.1f}), p {d.p:.2g}"
 
 
-def _name(group: Group) -> str:
+def name(group: Group) -> str:
+    """Return who drives, and behind which link."""
     late = f", {1e3 * group.trip:.0f} ms" if group.trip else ""
     return f"{group.operator}{late}"
 
