@@ -147,7 +147,7 @@ def apart(one: Outcome, other: Outcome) -> float:
 
 def outcome(kept: dict[str, Any]) -> Outcome:
     """Return an outcome that was kept as JSON."""
-    arrays = {name: np.array(kept[name]) for name in ("opened", "time", "tip")}
+    arrays = {name: np.array(kept[name]) for name in ("opened", "shut", "time", "tip")}
     return Outcome(**arrays, share=kept["share"], unanswered=kept["unanswered"], told=tuple(kept["told"]))
 
 

@@ -39,6 +39,7 @@ class Outcome(NamedTuple):
     """What the machine's host recorded; times from the joystick's first sample."""
 
     opened: np.ndarray  # [s] of each message that opens a valve
+    shut: np.ndarray  # [s] of each that shuts all
     time: np.ndarray  # [s] of each state of the machine
     tip: np.ndarray  # [m] its tip
     share: float  # smallest of their speed that the levers had for a late link; 1: it never was
@@ -46,9 +47,10 @@ class Outcome(NamedTuple):
     told: tuple[str, ...]  # warnings in the logs of both
 
     def zero_after(self, cut: float, healed: float) -> float:
-        """Return how long after a cut a valve was open last, before it was healed [s]; 0: it was shut."""
-        meanwhile = self.opened[(self.opened >= cut) & (self.opened < healed)]
-        return float(meanwhile.max() - cut) if meanwhile.size else 0.0
+        """Return how long after a cut the valves were told to shut [s]; inf: not before it healed."""
+        last = self.opened[self.opened < healed].max(initial=-float("inf"))
+        later = self.shut[(self.shut > last) & (self.shut < healed)]
+        return max(0.0, float(later.min() - cut)) if later.size else float("inf")
 
     def moved(self, begin: float, end: float) -> bool:
         """Tell whether a valve was open in a time."""
@@ -152,6 +154,7 @@ def _outcome(bag: Bag, played: float, p: Times, text: str) -> Outcome:
     warned = [line.split("]: ", 1)[-1] for line in text.splitlines() if "[WARN]" in line]
     return Outcome(
         opened=since(topics.VALVE_VOLTAGES)[volts.any(axis=1)],
+        shut=since(topics.VALVE_VOLTAGES)[~volts.any(axis=1)],
         time=times,
         tip=np.array([tip_position(tuple(state), LINKS) for state in states]),
         share=float(share[limit == LATE_LINK].min(initial=1.0)),
