@@ -128,7 +128,7 @@ def row(name: str, kept: dict[str, Any], reference: Outcome | None) -> str:
     again = one.moved(max(healed, AGAIN) if is_cut and healed < AGAIN else AGAIN, ENDS)
     cells = (
         *(name, last, away, "" if one.share == 1.0 else f"{100.0 * one.share:.0f} %"),
-        f"{one.zero_after(cut, healed):.2f}" if is_cut else "",
+        f"{one.zero_after(cut, healed + 0.2):.2f}" if is_cut else "",
         "**yes**" if restarts else "no",
         "yes" if again else "no",
         *(str(one.unanswered), "; ".join(one.told[:3]).replace("|", "/")),
