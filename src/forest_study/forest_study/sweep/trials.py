@@ -15,6 +15,8 @@ from forest_control.valve import valve_driver_parameters
 from forest_description.machine import Machine, load_machine
 from forest_msgs_py.runtime.parameter_table import Parameter
 from forest_study.closed_loop import model_mismatch
+from forest_study.diagnosis.faults import CASES, HEALTH
+from forest_study.diagnosis.figures import diagnosed
 from forest_study.latency import placing
 from forest_study.sweep.changes import changed_machine, changed_settings
 from forest_study.tracking.paths import path_named
@@ -43,6 +45,14 @@ class PlacingKeys(NamedTuple):
 
     machine: Annotated[str, Parameter("shipped machine, unknown:SEED, or a file")] = "c180"
     trip: Annotated[float, Parameter("of the link, there and back", "s", 0.0, 1.0)] = 0.0
+
+
+class DiagnosisKeys(NamedTuple):
+    """Everyday work with the monitor beside it, and a fault in its second half."""
+
+    machine: Annotated[str, Parameter("believed: shipped machine, unknown:SEED, or a file")] = "c180_hoses"
+    case: Annotated[str, Parameter("what goes wrong, and how much", choices=CASES)] = HEALTH
+    minutes: Annotated[float, Parameter("of work", "min", 2.0, 600.0)] = 10.0
 
 
 class Kind(NamedTuple):
@@ -98,6 +108,16 @@ def placed(case: Case, seed: int) -> Figures:
     return {name: float(value) for name, value in found._asdict().items()}
 
 
+def watched(case: Case, seed: int) -> Figures:
+    """Return what the monitor found: `diagnosis.figures`.
+
+    Raises:
+        MachineError: the machine cannot be.
+    """
+    keys = DiagnosisKeys(**_own(case))
+    return diagnosed(_machine(keys.machine, case, ("machine",)), keys.case, seed, 60.0 * keys.minutes)
+
+
 def _own(case: Case) -> dict[str, Any]:
     return {key: value for key, value in case.items() if "." not in key}
 
@@ -117,6 +137,7 @@ def _machine(name: str, case: Case, prefixes: tuple[str, ...]) -> Machine:
 KINDS: dict[str, Kind] = {
     "track": Kind(TrackKeys, tracked, ("machine", "plant", "control", "drive")),
     "placing": Kind(PlacingKeys, placed, ("machine",)),
+    "diagnosis": Kind(DiagnosisKeys, watched, ("machine",)),
 }
 
 
