@@ -39,7 +39,7 @@ class Rig:
         self.levers, self.held, self.angles, self.problem = REST, True, ANGLES, ""
         self.stamp = lambda k: k * PERIOD_NS
         self.shakes, self.driver_speaks, self.override = True, True, NOBODY
-        self.volts, self.command, self.rates = (3.0, 0.0, 0.0), COMMAND, ZERO
+        self.volts, self.command, self.rates = (3.0, 0.0, 0.0), COMMAND, (0.6, 0.0, 0.0)
         self.speak = self.sample
         self.heard = -math.inf
 
@@ -133,7 +133,7 @@ CAUSES = {
         *(Verdict.STOP, 0.2, Cause.FAULT, "valve driver: no voltages"),
     ),
     "driver deaf": (
-        set_to(volts=ZERO),
+        set_to(volts=ZERO, rates=ZERO),
         *(Verdict.STOP, 1.5, Cause.FAULT, "valve driver: keeps the valves shut"),
     ),
     "emergency stop": (
@@ -359,7 +359,7 @@ def test_in_shadow_where_no_driver_has_ever_spoken_a_joint_that_goes_is_no_runaw
     rig.driver_speaks, rig.volts, rig.command = False, ZERO, ZERO
     rig.moving()
     rig.rates = (0.0, 0.0, -0.3)
-    assert {rig.once().verdict for _ in range(200)} == {Verdict.MOVE}
+    assert {rig.once().verdict for _ in range(400)} == {Verdict.MOVE}
 
 
 def test_sensors_without_noise_are_not_judged_by_standing_still(rig):
