@@ -66,7 +66,7 @@ class MonitorNode(Node):
         if reading.problem:
             return
         self._period, dt = stamped_period.clipped_period(self._period, reading.stamp_ns, self._nominal)
-        row = []
+        row: list[float] = []
         for topic, labels in recorded.PARTS:
             row += self._newest(topic, labels) if topic in self._readers else reading.values.position
         self._state = monitor.step(self._state, recorded.readings_of(row), self._core, dt)
