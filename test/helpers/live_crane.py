@@ -41,12 +41,14 @@ PLAYING = re.compile(r"\[(\d+\.\d+)\] \[joystick\]: playing for")
 Rows = list[tuple[float, Any]]  # when it was sent [s, time.time], and what
 
 
-def write_levers(path: Path) -> Path:
+def write_levers(
+    path: Path, begun: float = BEGUN, rest: float = REST, again: float = AGAIN, ends: float = ENDS
+) -> Path:
     """Write the levers: the swing's rocks, the stick's stays deflected, so that they are never centred."""
     rows = []
-    for k in range(round((ENDS - LEAD_IN) / 0.1)):
+    for k in range(round((ends - LEAD_IN) / 0.1)):
         time_s = LEAD_IN + k / 10
-        goes = BEGUN <= time_s < REST or time_s >= AGAIN
+        goes = begun <= time_s < rest or time_s >= again
         rows.append(f"{k / 10:.1f},{0.4 * math.sin(math.pi * k / 10) * goes:.4f},0,{0.1 * goes}")
     path.write_text("\n".join(["time_s,swing,boom,stick", *rows, ""]))
     return path

@@ -139,7 +139,7 @@ def test_who_is_not_heard_is_a_warning_beside_what_else_a_person_should_know(pee
     health.publish(2 * S)
     peer.until(lambda: len(health.heard) == 2)
     assert told(health.heard[0])[1][1:] == (DiagnosticStatus.WARN, "it is clipped; /joy of /pad is not heard")
-    assert told(health.heard[1])[1][1:] == (DiagnosticStatus.ERROR, "no pressure")
+    assert told(health.heard[1])[1][1:] == (DiagnosticStatus.ERROR, "no pressure; /joy of /pad is not heard")
     assert told(health.heard[0])[0][2] == "well"
 
 

@@ -102,3 +102,32 @@ def test_a_best_effort_joystick_is_heard(peer):
     box = polled_subscription(peer.node, topics.JOY)
     joystick = peer.node.create_publisher(message_class(topics.JOY), "/joy", LOSSY)
     peer.until(lambda: joystick.publish(message_class(topics.JOY)()) or box.newest())
+
+
+@pytest.mark.parametrize(
+    ("way", "told"),
+    [
+        (-3.2, "/joy: the clock of /{who} is 3.2 s ahead of this host's"),
+        (-0.06, "/joy: the clock of /{who} is 0.1 s ahead of this host's"),
+        (-0.04, ""),
+        (0.19, ""),
+        (2.0, "/joy: the clock of /{who} is 2.0 s behind this host's, or the link is late"),
+    ],
+)
+def test_whose_clock_is_another_is_named_until_its_messages_come_in_time(peer, clock, way, told):
+    box = polled_subscription(peer.node, topics.JOY)
+    status = InputStatus(peer.node, clock, box, "a joystick")
+    note = box.note
+    box.note = lambda info: note({**info, "received_timestamp": info["source_timestamp"] + round(way * 1e9)})
+    peer.speak(topics.JOY).publish(message_class(topics.JOY)())
+    peer.until(box.newest)
+    assert status.unheard() == told.format(who=peer.node.get_name())
+    assert status.unheard() == ""  # nothing has come since
+
+
+def test_one_message_in_time_shows_that_only_others_were_late(peer, clock):
+    box = polled_subscription(peer.node, topics.JOY)
+    status = InputStatus(peer.node, clock, box, "a joystick")
+    for way in (2.0, 0.01, 3.0):
+        box.note({"source_timestamp": 10**18, "received_timestamp": 10**18 + round(way * 1e9)})
+    assert status.unheard() == ""

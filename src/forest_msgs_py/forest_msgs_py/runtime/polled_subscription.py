@@ -48,24 +48,33 @@ class _NotInWaitSet(CallbackGroup):
 
 
 class ReceivedCount:
-    """How many messages of a topic were taken, and how old the newest is."""
+    """How many messages of a topic were taken, how old the newest is, and how long they were on their way."""
 
     subscription: Any = None  # that brings them
     heard: Callable[[dict[str, int]], None] | None = None  # is given the info about each message
 
     def __init__(self) -> None:
-        self.count, self._sent_ns = 0, 0
+        self.count, self._sent_ns, self._way_ns = 0, 0, math.inf
 
     def note(self, info: dict[str, int]) -> None:
         """Count a message by the middleware's info about it."""
         self.count += 1
         self._sent_ns = info["source_timestamp"]
+        self._way_ns = min(self._way_ns, info.get("received_timestamp", math.inf) - self._sent_ns)
         if self.heard is not None:
             self.heard(info)
 
     def age(self) -> float:
         """Return for how long the newest message has been sent [s]; inf if there is none."""
         return (time.time_ns() - self._sent_ns) * 1e-9 if self.count else math.inf
+
+    def shortest_way(self) -> float:
+        """Return how long the fastest message since the last call took, by both hosts' clocks [s]; inf: none.
+
+        What waited in a queue of ours does not count. Less than nothing: the sender's clock is ahead.
+        """
+        shortest, self._way_ns = self._way_ns * 1e-9, math.inf
+        return shortest
 
 
 class PolledSubscription(ReceivedCount):

@@ -134,9 +134,9 @@ class Diagnostics:
         for part, problem in self._problems.items():
             caution = "; ".join(filter(None, (self._cautions[part], *waiting[part], *unheard[part])))
             level = DiagnosticStatus.WARN if caution else DiagnosticStatus.OK
-            if problem:
-                level = DiagnosticStatus.ERROR
-            status = DiagnosticStatus(level=level, name=f"{name}: {part}", message=problem or caution or WELL)
+            if problem:  # who is not heard, or whose clock is another, is the cause of many a silence
+                level, caution = DiagnosticStatus.ERROR, "; ".join((problem, *unheard[part]))
+            status = DiagnosticStatus(level=level, name=f"{name}: {part}", message=caution or WELL)
             status.hardware_id = name
             status.values = [KeyValue(key=key, value=_text(value)) for key, value in self._told(part).items()]
             message.status.append(status)

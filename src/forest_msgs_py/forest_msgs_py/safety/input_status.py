@@ -5,9 +5,12 @@ from collections.abc import Callable
 from typing import Any
 
 from rclpy.node import Node
-from rclpy.qos import QoSCompatibility, ReliabilityPolicy, qos_check_compatible
+from rclpy.qos import DurabilityPolicy, QoSCompatibility, ReliabilityPolicy, qos_check_compatible
+
+from forest_msgs_py.runtime.polled_subscription import CLOCK_TOLERANCE
 
 WINDOW = 0.5  # [s] over which a rate is measured, at least
+LATE = 0.2  # [s] that no message needs on a link by which a crane is driven
 
 
 class InputStatus:
@@ -37,6 +40,9 @@ class InputStatus:
             and subscription.subscription.qos_profile.reliability == ReliabilityPolicy.RELIABLE
         )
         self._unmatched = UnmatchedPublishers(node, subscription.subscription) if asks else None
+        # Of a latched topic a late reader gets what is old by right.
+        latched = subscription.subscription.qos_profile.durability == DurabilityPolicy.TRANSIENT_LOCAL
+        self._node, self._tells_clocks = node, not (clock.lockstep or latched)
         self._since, self._before, self._rate = clock.now(), 0, math.nan
 
     def waiting(self) -> str:
@@ -44,8 +50,20 @@ class InputStatus:
         return f"waiting for {self._what} on {self._name}" if self._is_missed() else ""
 
     def unheard(self) -> str:
-        """Return which publishers the subscription cannot hear, and why; "" for none."""
-        return self._unmatched.told() if self._unmatched is not None else ""
+        """Return which publishers the subscription cannot hear, or not in time, and why; "" for none."""
+        unmatched = self._unmatched.told() if self._unmatched is not None else ""
+        return "; ".join(filter(None, (unmatched, self._untimely()))) if self._tells_clocks else unmatched
+
+    def _untimely(self) -> str:
+        """Return whose messages are from the future or long past, by the hosts' clocks; "" for nobody's."""
+        way = self._subscription.shortest_way()
+        if -CLOCK_TOLERANCE <= way <= LATE or math.isinf(way):
+            return ""
+        ends = self._node.get_publishers_info_by_topic(self._name)
+        who = ", ".join(dict.fromkeys(f"{end.node_namespace.rstrip('/')}/{end.node_name}" for end in ends))
+        if way < 0.0:
+            return f"{self._name}: the clock of {who} is {-way:.1f} s ahead of this host's"
+        return f"{self._name}: the clock of {who} is {way:.1f} s behind this host's, or the link is late"
 
     def values(self) -> dict[str, Any]:
         """Return age, rate and count of the messages."""
