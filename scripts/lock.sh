@@ -67,4 +67,4 @@ compile --universal --python-version 3.10 --no-emit-package yattag "$@" --output
 
 # What scripts/supply.sh installs for itself, and what scripts/fuzz.sh does; Atheris begins with CPython 3.11.
 compile --universal --python-version 3.10 "$@" --output-file requirements-supply.lock - <<<$'cyclonedx-bom\npip-audit'
-compile --universal --python-version 3.11 "$@" --output-file requirements-fuzz.lock - <<<"atheris"
+compile --universal --python-version 3.11 "$@" --output-file requirements-fuzz.lock - <<<"atheris<3.1" # the last with wheels for Python 3.11

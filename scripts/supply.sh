@@ -3,7 +3,7 @@
 #
 #   scripts/supply.sh [SBOM.json]    default: .venv/sbom.json
 #
-# The exit code is 1 if a licence is not known to fit, or a fault of a package is known.
+# The exit code is 1 if a licence is not known to fit, or a package has a known fault or could not be asked about.
 set -euo pipefail
 # shellcheck source=scripts/setup.sh
 source "$(dirname "${BASH_SOURCE[0]}")/setup.sh"
@@ -18,5 +18,5 @@ fi
 "$venv/bin/python" scripts/licences.py || code=1
 PYTHONPATH=$tool/lib "$venv/bin/python" -m cyclonedx_py requirements --output-file "$sbom" requirements.lock || code=1
 say "Bill of materials: $sbom"
-PYTHONPATH=$tool/lib "$venv/bin/python" -m pip_audit --require-hashes --disable-pip -r requirements.lock || code=1
+PYTHONPATH=$tool/lib "$venv/bin/python" -m pip_audit --strict --require-hashes --disable-pip -r requirements.lock || code=1
 exit "$code"

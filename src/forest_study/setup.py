@@ -10,7 +10,7 @@ setup(
     description="What happens when machine and control meet: demo, graph, studies, the process supervisor",
     license="Apache-2.0",
     packages=find_packages(include=[package, f"{package}.*"]),
-    package_data={package: ["py.typed"]},
+    package_data={package: ["py.typed", "log_work/operators/*.yaml"]},
     data_files=[
         ("share/ament_index/resource_index/packages", [f"resource/{package}"]),
         (f"share/{package}", ["package.xml"]),

@@ -45,7 +45,9 @@ NOT_RUN = {
     "how-to/record-recover-replay.md": 1,
     "how-to/debug-in-lockstep.md": 2,
     "how-to/sweep.md": 1,
+    "how-to/move-logs.md": 2,
     "how-to/secure-the-graph.md": 2,
+    "how-to/two-hosts.md": 4,
     "how-to/open-in-rviz-foxglove-plotjuggler.md": 5,
 }
 

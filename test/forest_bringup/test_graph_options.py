@@ -110,6 +110,22 @@ def test_without_a_simulator_the_controller_describes_the_machine(started):
     assert parameters(started.nodes["controller"])["publish_description"] == "true"
 
 
+def test_a_part_of_the_graph_starts_here_and_only_the_one_with_the_driver_says_zero(started, tmp_path):
+    record = ["--record", str(tmp_path)]
+    assert graph.main(["--only", "valve_driver,simulator,recorder", *record]) == 0
+    assert (list(started.nodes), started.may_publish) == (["valve_driver", "simulator", "recorder"], True)
+    started.ends = [Stopped()]
+    assert graph.main(["--only", "controller"]) == 0
+    assert (list(started.nodes), started.may_publish) == (["controller"], False)
+
+
+def test_a_part_that_the_graph_does_not_have_is_refused(started, capsys):
+    assert graph.main(["--only", "simulator,recorder"]) == 2
+    told = "graph: --only 'recorder' is no node of this graph; allowed: controller, valve_driver, simulator\n"
+    assert capsys.readouterr().err == told
+    assert not started.nodes
+
+
 def test_each_node_runs_its_module():
     nodes = [graph.joystick("thesis", 3.5, 2, "lost"), *graph.control("c180", "joint", False, False)]
     assert [(node.name, node.module, node.needed) for node in nodes] == [

@@ -5,15 +5,14 @@ Without the profile it does get in (LOCALHOST alone is no barrier), which shows 
 """
 
 import os
-import shutil
 import signal
 import socket
-import subprocess
 import sys
 import threading
 from collections import Counter
 from pathlib import Path
 
+import hosts
 import pytest
 
 pytest.importorskip("rclpy")
@@ -23,54 +22,24 @@ OURS, THEIRS = "10.77.0.1", "10.77.0.2"
 LISTEN_S = 4
 STRANGERS = 4  # at once: the few first announcements of one do not always meet somebody
 ATTEMPTS = 4  # of theirs to get in where they can
-# Another machine shares no memory with ours; ``ip netns exec`` gives it mounts of its own.
-OWN_MEMORY = 'mount -t tmpfs none /dev/shm && exec "$@"'
 UDP_IN_IPV4 = (b"\x08\x00", 17)
-
-
-def _can_make_namespaces() -> str:
-    """Empty if this process may make network namespaces, else why not."""
-    if os.geteuid() != 0 or shutil.which("ip") is None:
-        return "needs root and the ip command to make network namespaces"
-    name = f"forest-probe-{os.getpid()}"
-    made = subprocess.run(["ip", "netns", "add", name], capture_output=True, text=True, check=False)
-    if made.returncode == 0:
-        subprocess.run(["ip", "netns", "del", name], check=True)
-    return made.stderr.strip()
 
 
 @pytest.fixture
 def cable():
-    """Two namespaces and a virtual cable between them: (ours, theirs, our interface)."""
-    reason = _can_make_namespaces()
-    if reason:
-        pytest.skip(reason)
-    ours, theirs = f"forest-a-{os.getpid()}", f"forest-b-{os.getpid()}"
-
-    def ip(*words):
-        subprocess.run(["ip", *words], check=True)
-
-    for name in (ours, theirs):
-        ip("netns", "add", name)
-    try:
-        ip("link", "add", "veth0", "netns", ours, "type", "veth", "peer", "name", "veth0", "netns", theirs)
-        for name, address in ((ours, OURS), (theirs, THEIRS)):
-            ip("-n", name, "addr", "add", f"{address}/24", "dev", "veth0")
-            ip("-n", name, "link", "set", "lo", "up")
-            ip("-n", name, "link", "set", "veth0", "up")
-        yield ours, theirs
-    finally:
-        for name in (ours, theirs):
-            ip("netns", "del", name)
+    """Two hosts and a cable between them."""
+    with hosts.hosts("a", "b") as at:
+        hosts.switch(at, [f"{address}/24" for address in (OURS, THEIRS)])
+        yield at
 
 
 def sniff() -> None:
-    """Print the UDP packets on veth0 of this network namespace by source address, until told to stop."""
+    """Print the UDP packets on link0 of this network namespace by source address, until told to stop."""
     told = threading.Event()
     signal.signal(signal.SIGTERM, lambda *_: told.set())
     packets = Counter()
     with socket.socket(socket.AF_PACKET, socket.SOCK_RAW, socket.htons(0x0003)) as wire:
-        wire.bind(("veth0", 0))
+        wire.bind(("link0", 0))
         wire.settimeout(0.1)
         print("listening", flush=True)
         while not told.is_set():
@@ -99,15 +68,13 @@ def test_a_stranger_gets_in_only_without_the_profile(closed, cable, domain_id, s
         env=_profile(closed),
     )
     wait_until(lambda: "up" in talker.text())
-    sniff = "import sys; sys.path.insert(0, sys.argv[1]); import test_loopback; test_loopback.sniff()"
-    sniffer = start_process(
-        ["ip", "netns", "exec", ours, sys.executable, "-c", sniff, str(Path(__file__).parent)], python=False
-    )
+    sniff = "import sys; sys.path += sys.argv[1:]; import test_loopback; test_loopback.sniff()"
+    words = [sys.executable, "-c", sniff, str(Path(__file__).parent), str(HELPERS)]
+    sniffer = start_process(["ip", "netns", "exec", ours, *words], python=False)
     wait_until(lambda: "listening" in sniffer.text())
     stranger = {**os.environ, "ROS_STATIC_PEERS": OURS, "ROS_AUTOMATIC_DISCOVERY_RANGE": "SUBNET"}
     stranger.pop("FASTRTPS_DEFAULT_PROFILES_FILE")
-    command = [sys.executable, str(HELPERS / "listener.py"), str(LISTEN_S)]
-    words = ["ip", "netns", "exec", theirs, "sh", "-c", OWN_MEMORY, "sh", *command]
+    words = hosts.on(theirs, sys.executable, str(HELPERS / "listener.py"), str(LISTEN_S))
     for _ in range(1 if closed else ATTEMPTS):
         listeners = [start_process(words, python=False, env=stranger) for _ in range(STRANGERS)]
         inside = [listener.ended() == 0 for listener in listeners]

@@ -38,6 +38,17 @@ def add_graph_options(parser: argparse.ArgumentParser) -> None:
     add_profile_option(parser)
 
 
+def add_part_option(parser: argparse.ArgumentParser) -> None:
+    """Add what starts a part of a graph, whose other part runs on another host."""
+    parser.add_argument(
+        "--only",
+        type=lambda text: text.split(","),
+        default=(),
+        metavar="NODE[,NODE...]",
+        help="start these nodes only: another host starts the others (FOREST_NETWORK names it)",
+    )
+
+
 def ros_namespace(text: str) -> str:
     """Return a namespace with its leading slash.
 
@@ -181,6 +192,7 @@ def parse_options(arguments: Sequence[str] | None) -> argparse.Namespace:
     """Return the options of the live graph."""
     parser = argparse.ArgumentParser(prog="scripts/graph.sh", description="Run the live graph until Ctrl-C.")
     add_graph_options(parser)
+    add_part_option(parser)
     parser.add_argument("--no-simulator", action="store_true", help="iron is behind the topics")
     parser.add_argument("--shadow", action="store_true", help="compute everything, publish no voltage")
     parser.add_argument(
@@ -236,6 +248,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         graph_nodes(options),
         options.namespace,
         partial(_run, plays=plays),
+        only=options.only,
         may_publish=not options.shadow,
         on_log_line=lambda line: print(line, flush=True),
     )

@@ -16,6 +16,8 @@ def run_command(
     nodes: Sequence[NodeSpec],
     namespace: str,
     run: Callable[[Supervisor], None] = methodcaller("run"),
+    only: Sequence[str] = (),
+    may_publish: bool = True,
     **options: Any,
 ) -> int:
     """Run nodes; return 0 after a stop on request, 1 after a failure, which is told in one sentence.
@@ -25,12 +27,24 @@ def run_command(
         nodes: in the order in which they are to be stopped.
         namespace: of the graph.
         run: what the running graph is to do.
+        only: names of those nodes that are started here, while another host starts the others; none: all.
+        may_publish: the supervisor may publish zero voltage; it does so where it starts the valve driver.
         options: further ones of `Supervisor`.
     """
+    names = [node.name for node in nodes]
+    if strange := [name for name in only if name not in names]:
+        allowed = ", ".join(names)
+        print(
+            f"{program}: --only {strange[0]!r} is no node of this graph; allowed: {allowed}", file=sys.stderr
+        )
+        return 2
+    here = [node for node in nodes if not only or node.name in only]
+    # A part without the driver has its zero from the driver, which hears of no command any more.
+    may_publish = may_publish and (not only or "valve_driver" in only)
     logs = Path(tempfile.mkdtemp(prefix=f"forest-{program}-"))
-    print(f"starting {', '.join(node.name for node in nodes)}; logs in {logs}; Ctrl-C stops", flush=True)
+    print(f"starting {', '.join(node.name for node in here)}; logs in {logs}; Ctrl-C stops", flush=True)
     try:
-        with Supervisor(nodes, namespace, logs, **options) as graph:
+        with Supervisor(here, namespace, logs, may_publish=may_publish, **options) as graph:
             run(graph)
     except Stopped:
         print("stopped", flush=True)

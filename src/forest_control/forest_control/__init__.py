@@ -19,6 +19,7 @@ In the order in which data passes:
 - `controller_node`: The controller as a node: /joy and /joint_states in, /valve_commands and the tip's
   motion out.
 - `cycle_node`: Taught work as a node: the tip's pose in, a piece of path on tip/taught_command out.
+- `twist_node`: A program's tip velocity as a node: TwistStamped on delta_twist_cmds in, taught commands out.
 - `valve_driver_node`: The valve driver as a node: /valve_commands of ideal valves in, /valve_voltages of
   the real ones out.
 

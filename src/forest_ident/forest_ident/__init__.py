@@ -6,7 +6,7 @@ In the order in which data passes:
 - `measurements`: A record for the estimators: readings on one time base, derivatives, masks of rows.
 - `driving`: An experiment carried out on a simulated machine or on a running graph, within its bounds.
 - `experiment_operator_node`: The scripted operator as a node: an experiment's voltages on /valve_commands,
-  on the simulator or on iron.
+  on the simulator or on a real crane.
 - `output_error`: Fit the simulator's readings to the recorded ones.
 - `estimators`: The thesis's estimators (chapter 4), one parameter or a few at a time.
 - `refinement`: All experiments together: from sessions to a machine, with intervals.
@@ -14,6 +14,7 @@ In the order in which data passes:
 - `model_choice`: Physics that the model lacks: named from residuals, fitted when allowed, judged by held-out
   records.
 - `report`: The results as a page, plots and a machine file.
+- `diagnosis`: Is the machine still what it was? Faults found from the topics of everyday work.
 - `online`: Running estimates while the machine works.
 - `online_node`: On-line identification as a node: running estimates of overlap, gain and damping beside the
   off-line fit.

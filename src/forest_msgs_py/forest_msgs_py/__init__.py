@@ -2,7 +2,7 @@
 
 In the order in which data passes:
 
-- `types`: Time on the wire.
+- `types`: The period of 5 ms, and time in nanoseconds.
 - `interfaces`: What is said: topics with types, units, rates and QoS; messages, stamps, definitions.
 - `serialization`: Numbers to CDR bytes and back, one message at a time or many at once.
 - `runtime`: What every node runs in: environment, parameters, polled subscriptions, order of stamps,

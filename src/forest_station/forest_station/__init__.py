@@ -7,7 +7,8 @@ Rooms, in the order in which data passes through them:
 - `scene`: what the crane and its surroundings look like, for the page.
 - `recordings`: bags: started, stopped, listed, and cut into frames for a replay.
 - `server`: pages, sockets, and who may open them.
-- `web`: the page itself: one panel a file.
+- `station_node`: the station as a node.
+- `web`: the page itself: one panel a file; the drawn crane is in `web/scene`.
 
 May import: `forest_bringup`, `forest_control`, `forest_bag`, `forest_msgs_py`, `forest_description`.
 """

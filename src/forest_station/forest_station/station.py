@@ -9,6 +9,7 @@ from pathlib import Path
 
 from forest_bringup.graph import (
     add_graph_options,
+    add_part_option,
     control,
     machine_arguments,
     parameters,
@@ -29,6 +30,7 @@ def parse_options(arguments: Sequence[str] | None) -> argparse.Namespace:
         description="Run the live graph with the operator's page until Ctrl-C.",
     )
     add_graph_options(parser)
+    add_part_option(parser)
     parser.add_argument("--join", action="store_true", help="open the page of a graph that is running")
     parser.add_argument(
         "--host", default="127.0.0.1", help="address to listen on; beyond loopback with a token over TLS"
@@ -87,6 +89,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         "station",
         station_nodes(options),
         options.namespace,
+        only=options.only,
         may_publish=not options.join,
         on_log_line=lambda line: show_line(line, not options.no_browser),
         exclusive=not options.join,

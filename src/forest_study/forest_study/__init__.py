@@ -10,8 +10,10 @@ In the order in which data passes:
 - `ablation`: What each constant and each mechanism of control is good for.
 - `thesis`: The thesis's evaluation of its control schemes (chapter 5), run anew.
 - `latency`: What late links cost.
+- `log_work`: Logs from the ground to the bunk and back, by a simulated operator.
 - `sweep`: Thousands of closed loops at once, from one file.
-- `stability`: How far the position loops are from swinging up: Bode plots and margins.
+- `logs`: The log-moving benchmark: what tip control brings, over persons, with intervals.
+- `stability`: How far the position loops are from instability: Bode plots and margins.
 - `delay_node`: A bad link as a node: what it hears on `topic_in` it says on `topic_out`, later, jittered,
   or not at all.
 - `experiments`: The experiments of `forest_ident` in a graph, in lockstep or live.

@@ -19,6 +19,7 @@ from forest_study.closed_loop.link_model import LinkError
 from forest_study.demo import replay
 from forest_study.faults import faults_command
 from forest_study.latency import delay_study, placing, timing
+from forest_study.logs import logs_command
 from forest_study.matrix import matrix_command
 from forest_study.results import StudyError, new_directory
 from forest_study.stability import bode_command
@@ -96,6 +97,10 @@ def _parser() -> argparse.ArgumentParser:
     bode_command.add_arguments(looped)
     swaying = _command(commands, "sway", _sway, "the hanging head after a stop, with anti-sway and without")
     sway_command.add_arguments(swaying)
+    moving = _command(
+        commands, "logs", _logs, "logs from the ground to the bunk and back, by simulated operators"
+    )
+    logs_command.add_arguments(moving)
     many = _command(commands, "sweep", _sweep, "thousands of runs from a study's file, resumable")
     sweep_command.add_arguments(many)
     return parser
@@ -157,6 +162,10 @@ def _sway(options: argparse.Namespace) -> int:
 
 def _sweep(options: argparse.Namespace) -> int:
     return sweep_command.run(options)
+
+
+def _logs(options: argparse.Namespace) -> int:
+    return logs_command.run(options)
 
 
 def _ablation(options: argparse.Namespace) -> int:

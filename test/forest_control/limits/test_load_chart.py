@@ -1,5 +1,6 @@
 """The laws of the load-moment limit by themselves: the chart, and which part of a motion loads."""
 
+import dataclasses
 import math
 
 import numpy as np
@@ -32,6 +33,10 @@ def test_the_chart_is_straight_between_its_points():
     reaches, loads = REAL.capacity.reach, REAL.capacity.load
     for reach in np.linspace(0.0, 10.0, 101):
         assert allowed_load(float(reach), c) == pytest.approx(np.interp(reach, reaches, loads))
+    two_points = dataclasses.replace(REAL.capacity, reach=(4.0, 9.0), load=(2000.0, 1000.0))
+    c = load_moment.capacity(dataclasses.replace(REAL, capacity=two_points))
+    assert [allowed_load(reach, c) for reach in (3.0, 4.0, 6.5, 9.0, 9.5)] == [2e3, 2e3, 1.5e3, 1e3, 1e3]
+    assert len(c.reaches) == len(c.loads) == load_moment.MOST_POINTS
     free = load_moment.capacity(C180)
     assert allowed_load(8.0, free) == math.inf
     told = loading(9000.0, pose_at(TIP, C180), C180.manipulator.links, free)

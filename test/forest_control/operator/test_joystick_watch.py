@@ -20,6 +20,7 @@ from forest_control.operator.joystick_watch import (
 )
 from forest_control.operator.levers import REST as CENTRED
 from forest_control.operator.levers import Levers
+from forest_msgs_py.runtime.parameter_table import table_rows
 
 P = WatchParameters()
 PERIOD = 0.01
@@ -299,3 +300,12 @@ def test_what_cannot_be_read_has_no_stamp_no_heartbeat_and_no_levers():
 def test_the_heartbeat_is_read_from_the_frame_id(frame, count):
     assert NO_HEARTBEAT < 0  # no count is negative
     assert heartbeat_of(frame) == count
+
+
+def test_nobody_may_choose_to_believe_a_joystick_that_has_been_silent_for_long():
+    told = {row.name: (row.low, row.default, row.high) for row in table_rows(WatchParameters)}
+    assert told == {
+        "joy_timeout": (0.01, 0.15, 2.0),
+        "frozen_timeout": (0.0, 10.0, 60.0),
+        "centre": (0.001, 0.05, 0.5),
+    }

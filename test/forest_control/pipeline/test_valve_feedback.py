@@ -118,6 +118,7 @@ def test_a_bad_report_says_nothing(pace, reports, guard):
 
 
 def test_of_a_driver_that_never_spoke_nothing_is_expected(pace, guard):
+    assert responds(DriverResponse(), 0.0)
     assert set(objections(pace, guard, 1.0, COMMAND, None)) == {""}
 
 

@@ -5,11 +5,13 @@ import pytest
 
 from forest_control.config import controller_settings
 from forest_control.pipeline.controller import to_voltage
-from forest_control.safety.frozen_sensor import MOVING, Stillness, frozen, watched
+from forest_control.safety.frozen_sensor import MOVING, Stillness, frozen, is_frozen, watched
 from forest_description.machine import load_machine
 from forest_description.types import AXES
 
-P = controller_settings.parameters(load_machine("c180_hoses"), controller_settings.Settings())
+P = controller_settings.parameters(load_machine("c180_hoses"), controller_settings.Settings())._replace(
+    rated_speeds=(0.4, 0.2, 0.3), rated_voltages=(10.0, 9.0, 8.0)
+)
 DT = 0.005
 START = (0.2, 0.4, -1.5)
 every_joint = pytest.mark.parametrize("joint", range(3), ids=AXES)
@@ -21,6 +23,7 @@ def after(seconds, rates, angles):
     for step in range(round(seconds / DT)):
         s = angles(step * DT)
         still = watched(still, s, to_voltage(rates, s, P), P, DT)
+        assert is_frozen(still) == bool(frozen(still))
         if frozen(still):
             return step * DT, frozen(still)
     return seconds, ""
@@ -80,7 +83,9 @@ def test_at_the_bounds_themselves_a_joint_is_still_believed(joint):
     def bounds(way, time):
         quiet = [0.0, 0.0, 0.0]
         ways, times = (tuple(x if i == joint else y for i, y in enumerate(quiet)) for x in (way, time))
-        return frozen(Stillness(START, ways, times))
+        still = Stillness(START, ways, times)
+        assert is_frozen(still) == bool(frozen(still))
+        return frozen(still)
 
     assert bounds(0.02, 1.0) == ""
     assert bounds(1.0, 0.15) == ""

@@ -359,7 +359,7 @@ def test_in_shadow_where_no_driver_has_ever_spoken_a_joint_that_goes_is_no_runaw
     rig.driver_speaks, rig.volts, rig.command = False, ZERO, ZERO
     rig.moving()
     rig.rates = (0.0, 0.0, -0.3)
-    assert {rig.once().verdict for _ in range(200)} == {Verdict.MOVE}
+    assert {rig.once().verdict for _ in range(400)} == {Verdict.MOVE}
 
 
 def test_sensors_without_noise_are_not_judged_by_standing_still(rig):

@@ -1,5 +1,7 @@
 """Residuals of a fit name the physics that the crane has and the model lacks."""
 
+import functools
+
 import pytest
 
 from forest_description.machine import load_machine
@@ -11,6 +13,7 @@ from forest_ident.refinement.identification import identify
 PLAIN = load_machine("c180_hoses")
 
 
+@functools.cache
 def fitted(name, record):
     """Returns the plain model's fit to a record of the crane with one candidate's physics."""
     crane = next((c.add(PLAIN) for c in CANDIDATES if c.name == name), PLAIN)

@@ -145,3 +145,16 @@ def test_faulty_sensors_are_refused():
 def test_levers_without_a_deadman_are_refused():
     with pytest.raises(ValueError, match=r"shape \(240, 3\); allowed: a row of 4"):
         loop_kernel.run(C180, hand()[:, :3], START, *USUAL)
+
+
+def test_a_session_in_pieces_is_the_session_at_once():
+    """To the last bit, a log grasped on the way."""
+    whole = loop_kernel.prepared(C180, hand(), START, *USUAL)
+    plant = loaded(plant_parameters(C180), C180.manipulator, Load(200.0))
+    session = loop_kernel.Session(whole)
+    for end in (3, 100):
+        session.advance(end)
+    session.change_load(plant)
+    session.advance(ROWS)
+    np.testing.assert_array_equal(session.recorded[:, 3:6], whole.run({100: plant}).tip)
+    assert session.row == ROWS

@@ -79,7 +79,7 @@ def test_a_case_that_cannot_be_is_told_beside_the_others():
 def test_a_worker_that_is_killed_loses_nothing_and_a_stopped_study_goes_on(tmp_path, study, capsys):
     out, read = tmp_path / "out", read_study(study)
     store = sweep_command.Store(out, read)
-    todo = batches(list(runs(read)), 2)
+    todo = batches(list(runs(read)), 2, 25)
     with cluster(None, 1) as own, cluster(own.scheduler.address, None) as client:
         (pid,) = client.run(os.getpid).values()
         found = results(client, read.kind, read.common, todo)

@@ -17,8 +17,8 @@ path. Delays do not count either: a place that is said late is still a place of 
 .action file), which the ROS wheels do not have. Trigger services, the parameter `cycle` and the topic
 `cycle/status` do without.
 
-**The grapple.** The simulator has none. A step of the grapple is said on /events, and waits for a person's
-confirmation, or for a time.
+**The grapple.** The player does not move it. A step of the grapple is published on /events, and waits for a
+person's confirmation, or for a time. In the simulator a person grasps and drops logs by its services.
 
 In the order in which data passes:
 

@@ -1,1 +1,13 @@
-"""The valve driver: deadband, gain and pressure drop compensated and adapted."""
+"""The valve driver: deadband, gain, hysteresis and pressure drop compensated; deadband and gain adapted.
+
+- `command_gate`: Whether a command reaches the valves.
+- `valve_driver`: The step: pressures, adaptation, hold, inverse; dither against hysteresis.
+- `valve_inverse`: From an actuator speed to a voltage: deadband, valve curve, pressure drop.
+- `spool_model`: The spool's lag and slew limit, as the driver knows them.
+- `valve_hold`: When a small command opens a valve.
+- `valve_adaptation`: Deadband and gain learnt by recursive least squares.
+- `valve_flow`: A valve's opening from measured motion and pressures, for the adaptation.
+- `unlearnt_valves`: Which valves cannot be learnt, and why.
+- `tracking_limit`: For the controller: the opening that each valve reaches; joints that cannot follow.
+- `valve_driver_parameters`, `valve_driver_configuration`, `valve_driver_topics`: Settings, machine, topics.
+"""

@@ -15,12 +15,18 @@ from typing import Any
 from forest_bag.storage.bag_files import BagError
 from forest_description.config.parameter import MachineError
 from forest_ident.actuator.record import RecordError
-from forest_ident.cli import actuator_command, fit_command, questions_command, validate_command
+from forest_ident.cli import (
+    actuator_command,
+    diagnose_command,
+    fit_command,
+    questions_command,
+    validate_command,
+)
 from forest_ident.measurements.session import SessionError
 from forest_msgs_py.runtime import command_line
 
 PROGRAM = "forest-ident"
-VERBS = (fit_command, validate_command, questions_command, actuator_command)
+VERBS = (fit_command, validate_command, diagnose_command, questions_command, actuator_command)
 ERRORS = (BagError, MachineError, RecordError, SessionError)
 
 

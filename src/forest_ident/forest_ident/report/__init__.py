@@ -1,1 +1,1 @@
-"""The results as a page, plots and a machine file."""
+"""The results as a page, plots and a machine file (`machine_writer`)."""

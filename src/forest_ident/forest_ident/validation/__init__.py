@@ -1,1 +1,1 @@
-"""A model against a record that it was not fitted to."""
+"""A model against a record that it was not fitted to; `verdict` decides the exit code of a fit."""

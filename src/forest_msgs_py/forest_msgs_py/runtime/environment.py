@@ -3,13 +3,20 @@
 Imports no ROS, so that a supervisor can have its nodes starting before it starts ROS itself.
 """
 
+import atexit
 import ctypes
 import os
 import signal
+import socket
+import tempfile
+from collections.abc import Sequence
 from pathlib import Path
 
 PARENT_VARIABLE = "FOREST_PARENT"  # pid of the supervisor, in its nodes' environment
 LOOPBACK_PROFILE = Path(__file__).resolve().parents[1] / "loopback.xml"
+LOOPBACK = "<address>127.0.0.1</address>"  # in the profile: the interfaces that are used
+PROFILE_VARIABLE = "FASTRTPS_DEFAULT_PROFILES_FILE"
+NETWORKS = "allowed: open, or addresses or names of other hosts, with commas between"
 PR_SET_PDEATHSIG = 1  # of prctl(2)
 
 
@@ -17,16 +24,66 @@ class NoSupervisor(Exception):
     """The supervisor that started this process is gone, or called the start off."""
 
 
+class NetworkError(OSError):
+    """The network that FOREST_NETWORK asks for cannot be had; the message is one sentence for the user."""
+
+
 def prepare_environment() -> None:
-    """Keep every packet on this machine, unless the user chose otherwise (FOREST_NETWORK=open)."""
-    if os.environ.get("FOREST_NETWORK") == "open":
+    """Keep every packet on this machine, unless FOREST_NETWORK says otherwise.
+
+    Hosts, with commas between: these are sought, too, and no one is called who is not named. Packets leave
+    by the interfaces that lead to them. `open`: ROS 2's usual variables decide.
+
+    Raises:
+        NetworkError: a host is unknown, is this one, or cannot be reached.
+    """
+    chosen = os.environ.get("FOREST_NETWORK", "")
+    if chosen == "open":
         return
-    if (
-        os.environ.get("ROS_AUTOMATIC_DISCOVERY_RANGE") != "OFF"
-    ):  # else set, not defaulted: a sourced ROS sets it, too
-        os.environ["ROS_AUTOMATIC_DISCOVERY_RANGE"] = "LOCALHOST"
-    if os.environ.get("RMW_IMPLEMENTATION", "rmw_fastrtps_cpp") == "rmw_fastrtps_cpp":
-        os.environ.setdefault("FASTRTPS_DEFAULT_PROFILES_FILE", str(LOOPBACK_PROFILE))
+    peers = [_address(name.strip()) for name in chosen.split(",")] if chosen else []
+    if peers or os.environ.get("ROS_AUTOMATIC_DISCOVERY_RANGE") != "OFF":
+        os.environ["ROS_AUTOMATIC_DISCOVERY_RANGE"] = "LOCALHOST"  # set: a sourced ROS sets it, too
+    if peers:
+        os.environ["ROS_STATIC_PEERS"] = ";".join(peers)
+    if os.environ.get("RMW_IMPLEMENTATION", "rmw_fastrtps_cpp") != "rmw_fastrtps_cpp":
+        return
+    if PROFILE_VARIABLE not in os.environ:
+        os.environ[PROFILE_VARIABLE] = str(_profile_for(peers) if peers else LOOPBACK_PROFILE)
+
+
+def _address(name: str) -> str:
+    """Return the IPv4 address of a host."""
+    try:
+        return str(socket.getaddrinfo(name, 0, socket.AF_INET, socket.SOCK_DGRAM)[0][4][0])
+    except (OSError, UnicodeError) as error:
+        raise NetworkError(f"FOREST_NETWORK: {name!r} is no host that is known here; {NETWORKS}") from error
+
+
+def _profile_for(peers: Sequence[str]) -> Path:
+    """Write the profile that has the interfaces towards some hosts beside loopback; it ends with us."""
+    ours = dict.fromkeys(map(_our_address, peers))
+    text = LOOPBACK_PROFILE.read_text(encoding="utf-8")
+    interfaces = "".join(f"<address>{address}</address>" for address in ours)
+    number, name = tempfile.mkstemp(prefix="forest-network-", suffix=".xml")
+    with os.fdopen(number, "w", encoding="utf-8") as file:
+        file.write(text.replace(LOOPBACK, LOOPBACK + interfaces))
+    atexit.register(Path(name).unlink, missing_ok=True)
+    return Path(name)
+
+
+def _our_address(peer: str) -> str:
+    """Return our address on the way to a host. The socket is never written to."""
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as way:
+        try:
+            way.connect((peer, 9))
+        except OSError as error:
+            raise NetworkError(
+                f"FOREST_NETWORK: no way leads to {peer}: {error.strerror}; {NETWORKS}"
+            ) from error
+        ours = str(way.getsockname()[0])
+    if ours == peer or ours.startswith("127."):
+        raise NetworkError(f"FOREST_NETWORK: {peer} is this host; {NETWORKS}")
+    return ours
 
 
 def wait_for_supervisor() -> None:

@@ -39,7 +39,12 @@ from rclpy.signals import SignalHandlerOptions
 
 from forest_msgs_py.interfaces.topic_qos import qos
 from forest_msgs_py.interfaces.topics import Topic, message_class
-from forest_msgs_py.runtime.environment import NoSupervisor, prepare_environment, wait_for_supervisor
+from forest_msgs_py.runtime.environment import (
+    NetworkError,
+    NoSupervisor,
+    prepare_environment,
+    wait_for_supervisor,
+)
 
 LAST_WORDS = 0.1  # [s]
 STOP_SIGNALS = (signal.SIGINT, signal.SIGTERM)
@@ -94,10 +99,10 @@ class _StopSignals:
 
 def run_node(factory: Callable[[], Node], args: Sequence[str] | None = None) -> int:
     """Build a node, run it until it is told to stop, and give the process' exit code."""
-    prepare_environment()
     try:
+        prepare_environment()
         wait_for_supervisor()
-    except NoSupervisor as error:
+    except (NetworkError, NoSupervisor) as error:
         _print_error(error)
         return 2
     signals = _StopSignals()

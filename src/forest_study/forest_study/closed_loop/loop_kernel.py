@@ -83,18 +83,55 @@ class Prepared(NamedTuple):
         return self._run(np.ascontiguousarray(places), guide, NO_LOADS)
 
     def _run(self, places: Floats, guide: Floats, loads: Mapping[int, PlantParameters]) -> Led:
-        rows, state, levers = len(self.levers), self.state.copy(), self.levers.copy()
-        recorded, clock, knowledge = np.empty((rows, RECORDED)), np.zeros(rows), self.knowledge.copy()
-        before, after = (state, knowledge, levers, self.normals, recorded), (places, guide, clock)
-        pointers = [[array.ctypes.data for array in arrays] for arrays in (before, after)]
+        session, rows = Session(self, places, guide), len(self.levers)
         for row in (*sorted(loads), rows):
-            KERNEL.kernel()(*pointers[0], row, *pointers[1], runtime_numbers.ctypes.data)
+            session.advance(row)
             if row in loads:
-                _change_load(state, knowledge, loads[row])
-        made = int(guide[-1])
-        columns = np.split(recorded[:made], (3, 6, 9, 12, 15), axis=1)  # of `Happened`
+                session.change_load(loads[row])
+        made = session.row
+        columns = np.split(session.recorded[:made], (3, 6, 9, 12, 15), axis=1)  # of `Happened`
         moved = Trajectory(PERIOD * np.arange(made, dtype=np.float64), *columns)
-        return Led(moved, levers[:made], clock[:made])
+        return Led(moved, session.levers[:made], session.clock[:made])
+
+
+class Session:
+    """A session that stops on its way: what happened so far may decide what the levers say next.
+
+    Args:
+        prepared: its beginning, and as many rows of levers and draws as it has at most.
+        places: of a path that an operator leads the reference along; none, unless given.
+        guide: of hand and operator there.
+    """
+
+    def __init__(self, prepared: Prepared, places: Floats | None = None, guide: Floats | None = None) -> None:
+        self.state, self.knowledge = prepared.state.copy(), prepared.knowledge.copy()
+        self.levers, rows = prepared.levers.copy(), len(prepared.levers)
+        self.recorded, self.clock = np.empty((rows, RECORDED)), np.zeros(rows)
+        self._guide = LEADS_NOT.copy() if guide is None else guide
+        held = self.state, self.knowledge, self.levers, prepared.normals, self.recorded
+        after = np.zeros(3) if places is None else places, self._guide, self.clock
+        self._arrays = held, after  # kept: the kernel holds their addresses
+        self._before, self._after = ([array.ctypes.data for array in arrays] for arrays in self._arrays)
+        self._kernel = KERNEL.kernel()
+
+    @property
+    def row(self) -> int:
+        """How many rows there are so far."""
+        return int(self._guide[-1])
+
+    def advance(self, rows: int) -> None:
+        """Go on until so many rows are there, or the path ends."""
+        self._kernel(*self._before, rows, *self._after, runtime_numbers.ctypes.data)
+
+    def change_load(self, plant: PlantParameters) -> None:
+        """Go on with the parameters of a machine whose head holds another log."""
+        _change_load(self.state, self.knowledge, plant)
+
+    @property
+    def loop(self) -> Loop:
+        """All that is remembered."""
+        found: Loop = flat_layout.unpacker(_example()[1])(self.state.tolist())
+        return found
 
 
 def _change_load(state: Floats, knowledge: Floats, plant: PlantParameters) -> None:

@@ -1,1 +1,1 @@
-"""How far the position loops of machine and controller are from swinging up: Bode plots and margins."""
+"""How far the position loops of machine and controller are from instability: Bode plots and margins."""

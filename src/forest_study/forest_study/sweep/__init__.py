@@ -12,5 +12,5 @@ In the order in which data passes:
 - `summary`: Table and picture.
 - `sweep_command`: `forest-study sweep`.
 
-May import: `tracking`, `closed_loop`, `latency`, `results`.
+May import: `tracking`, `closed_loop`, `latency`, `log_work`, `results`.
 """

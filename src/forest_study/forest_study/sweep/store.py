@@ -15,6 +15,7 @@ from typing import Any
 
 from forest_bag.record.run_context import versions
 from forest_description.config.source_tree import texts
+from forest_study.log_work.person import read_person
 from forest_study.results import StudyError, new_directory, write_json
 from forest_study.sweep.design import combinations
 from forest_study.sweep.study import Study
@@ -36,7 +37,11 @@ class Store:
         _require_pyarrow()
         self._out, self._parts = out, out / "parts"
         self.whole = out / "runs.parquet"
-        self._made_by: dict[str, Any] = {"versions": versions(), "machines": _machines(study)}
+        self._made_by: dict[str, Any] = {
+            "versions": versions(),
+            "machines": _machines(study),
+            "operators": _operators(study),
+        }
         if (out / "study.yaml").exists():
             self._require_same(study)
         else:
@@ -53,7 +58,7 @@ class Store:
             )
         if begun != self._made_by:
             changed = [key for key in begun["versions"] if begun["versions"][key] != versions().get(key)]
-            what = ", ".join(changed) or "a machine's file"
+            what = ", ".join(changed) or "a machine's or operator's file"
             raise StudyError(f"{self._out} was begun with another {what}; allowed: another --out")
 
     def done(self) -> set[int]:
@@ -113,3 +118,10 @@ def _machines(study: Study) -> dict[str, list[list[str]]]:
     cases = [{**study.common, **combination} for combination in combinations(study)]
     names = {case[key] for case in cases for key in ("machine", "model") if case.get(key)}
     return {name: [list(one) for one in texts(name)] for name in sorted(names or {"c180"})}
+
+
+def _operators(study: Study) -> dict[str, dict[str, float]]:
+    """Return the numbers of each operator that a study names."""
+    cases = [{**study.common, **combination} for combination in combinations(study)]
+    names = {case["operator"] for case in cases if "operator" in case}
+    return {name: dict(read_person(name)._asdict()) for name in sorted(names)}

@@ -30,7 +30,7 @@ from forest_msgs_py.interfaces.yaml_text import parsed
 from forest_msgs_py.runtime.parameter_table import Parameter, ParameterError, table_rows
 from forest_study.closed_loop import model_mismatch
 from forest_study.results import StudyError
-from forest_study.sweep.trials import KINDS, Kind, require_possible
+from forest_study.sweep.trials import KINDS, Kind
 
 LARGEST = 1_000_000  # [byte] of a study's file
 MOST = 10_000_000  # [1] runs of a study
@@ -72,11 +72,21 @@ def read_study(file: Path) -> Study:
     """
     text = _text(file)
     try:
-        return _study(text, parsed(text))
+        return study_of(text)
     except yaml.YAMLError as error:
         raise StudyError(f"{file}: not YAML: {' '.join(str(error).split())}") from error
     except (StudyError, MachineError, ParameterError, PathError, argparse.ArgumentTypeError) as error:
         raise StudyError(f"{file}: {error}") from error
+
+
+def study_of(text: str) -> Study:
+    """Return the study of a text.
+
+    Raises:
+        StudyError, MachineError, ParameterError, PathError: something in it is not allowed.
+        YAMLError: it is not YAML.
+    """
+    return _study(text, parsed(text))
 
 
 def _text(file: Path) -> str:
@@ -131,7 +141,7 @@ def _require_possible(study: Study, kind: Kind) -> None:
     varied = [(key, value) for key, values in study.lists.items() for value in values]
     varied += [(key, value) for key, span in study.ranges.items() for value in span]
     for key, value in varied or [("", None)]:
-        require_possible(kind, {**study.common, **first, **({key: value} if key else {})})
+        kind.require_possible({**study.common, **first, **({key: value} if key else {})})
 
 
 def _list(kind: Kind, key: str, value: Any) -> tuple[Any, ...]:

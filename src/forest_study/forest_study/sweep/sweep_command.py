@@ -11,6 +11,7 @@ from forest_study.sweep.design import runs, size
 from forest_study.sweep.store import Store
 from forest_study.sweep.study import Study, read_study
 from forest_study.sweep.summary import draw, summary, table
+from forest_study.sweep.trials import KINDS
 from forest_study.sweep.workers import batches, cluster, results
 
 EVERY = 1.0  # [s] between two words on progress
@@ -34,7 +35,7 @@ def run(options: argparse.Namespace) -> int:
     """
     study = read_study(options.study)
     store = Store(options.out, study)
-    _run_the_rest(study, store, options)
+    run_the_rest(study, store, options.scheduler, options.workers)
     report = summary(study, store.finish())
     write_json(options.out / "summary.json", report)
     text = table(report)
@@ -45,16 +46,18 @@ def run(options: argparse.Namespace) -> int:
     return 1 if report["failed"] else 0
 
 
-def _run_the_rest(study: Study, store: Store, options: argparse.Namespace) -> None:
-    """Run what the store has no rows of."""
+def run_the_rest(study: Study, store: Store, scheduler: str | None, workers: int | None) -> None:
+    """Run what the store has no rows of; arguments as `workers.cluster`."""
     done, count = store.done(), size(study)
     if len(done) == count:
         return
     line, begun, before = StatusLine(sys.stdout), time.monotonic(), len(done)
-    with cluster(options.scheduler, options.workers) as client:
-        workers = max(1, len(client.nthreads()))
-        print(f"{count - before} runs of {count}, {workers} workers; dashboard: {client.dashboard_link}")
-        todo = batches([one for one in runs(study) if one.number not in done], workers)
+    with cluster(scheduler, workers) as client:
+        count_of = max(1, len(client.nthreads()))
+        print(f"{count - before} runs of {count}, {count_of} workers; dashboard: {client.dashboard_link}")
+        todo = batches(
+            [one for one in runs(study) if one.number not in done], count_of, KINDS[study.kind].batch
+        )
         told = begun
         for rows in results(client, study.kind, study.common, todo):
             store.add(rows)

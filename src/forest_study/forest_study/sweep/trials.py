@@ -16,6 +16,7 @@ from forest_description.machine import Machine, load_machine
 from forest_msgs_py.runtime.parameter_table import Parameter
 from forest_study.closed_loop import model_mismatch
 from forest_study.latency import placing
+from forest_study.log_work import crane, measures, person, site, trial
 from forest_study.sweep.changes import changed_machine, changed_settings
 from forest_study.tracking.paths import path_named
 from forest_study.tracking.tracking import Course, follow, noisy, prepare
@@ -45,12 +46,26 @@ class PlacingKeys(NamedTuple):
     trip: Annotated[float, Parameter("of the link, there and back", "s", 0.0, 1.0)] = 0.0
 
 
+class LogsKeys(NamedTuple):
+    """Logs from the ground to the bunk and back: `forest-study logs`."""
+
+    machine: Annotated[str, Parameter("shipped machine, unknown:SEED, or a file")] = "forwarder"
+    mode: Annotated[str, Parameter("what the levers move", choices=crane.MODES)] = "tip"
+    against: Annotated[
+        str, Parameter("mode in which the same person does it, too; none: no", choices=("none", *crane.MODES))
+    ] = "none"
+    operator: Annotated[str, Parameter("novice, expert, or a file")] = "expert"
+    trip: Annotated[float, Parameter("of the link, there and back", "s", 0.0, 1.0)] = 0.0
+
+
 class Kind(NamedTuple):
     """A kind of trial."""
 
     keys: Any  # a table of parameters
     figures: Callable[[Case, int], Figures]
     prefixes: tuple[str, ...]  # of the dotted keys that it takes
+    require_possible: Callable[[Case], None]  # raises what is wrong with a case
+    batch: int = 25  # [1] runs that a worker takes at once: some two seconds of a core
 
 
 def tracked(case: Case, seed: int) -> Figures:
@@ -114,24 +129,65 @@ def _machine(name: str, case: Case, prefixes: tuple[str, ...]) -> Machine:
     return changed_machine(load_machine(name), numbers)
 
 
-KINDS: dict[str, Kind] = {
-    "track": Kind(TrackKeys, tracked, ("machine", "plant", "control", "drive")),
-    "placing": Kind(PlacingKeys, placed, ("machine",)),
-}
+def logged(case: Case, seed: int) -> Figures:
+    """Return how a seed's person does the task: `measures.figures`.
+
+    With `against`, `saved`, `saved_loading` and `saved_unloading` are shares of that mode's time.
+
+    Raises:
+        StudyError: the task is not done, or the machine does not reach it.
+        MachineError: the machine cannot be.
+    """
+    keys = LogsKeys(**_own(case))
+    machine = _machine(keys.machine, case, ("machine",))
+    operator = person.drawn(person.read_person(keys.operator, _under(case, "operator")), seed)
+    told = measures.figures(trial.work(machine, keys.mode, operator, keys.trip, seed))
+    if keys.against == "none":
+        return told
+    other = measures.figures(trial.work(machine, keys.against, operator, keys.trip, seed))
+    names = {"time": "saved", "loading": "saved_loading", "unloading": "saved_unloading"}
+    return told | {saved: 1.0 - told[name] / other[name] for name, saved in names.items()}
 
 
-def require_possible(kind: Kind, case: Case) -> None:
-    """Raise unless machines and settings can be what a case says.
+def require_track(case: Case) -> None:
+    """Raise unless machines, settings and path can be what a case says.
 
     Raises:
         MachineError: a machine cannot be.
         ParameterError: a setting is unknown or out of range.
         PathError: the path cannot be read.
     """
-    keys = kind.keys(**_own(case))
+    keys = TrackKeys(**_own(case))
     _machine(keys.machine, case, ("machine", "plant"))
     changed_settings(controller_settings.Settings(), _under(case, "control"))
     changed_settings(valve_driver_parameters.Settings(), _under(case, "drive"))
-    if isinstance(keys, TrackKeys):
-        path_named(keys.path)
-        changed_machine(load_machine(keys.model or keys.machine), _under(case, "machine"))
+    path_named(keys.path)
+    changed_machine(load_machine(keys.model or keys.machine), _under(case, "machine"))
+
+
+def require_placing(case: Case) -> None:
+    """Raise unless the machine can be what a case says.
+
+    Raises:
+        MachineError: it cannot.
+    """
+    _machine(PlacingKeys(**_own(case)).machine, case, ("machine",))
+
+
+def require_logs(case: Case) -> None:
+    """Raise unless machine and operator can be what a case says.
+
+    Raises:
+        MachineError: the machine cannot be.
+        StudyError: it does not reach the logs, or there is no such operator.
+    """
+    keys = LogsKeys(**_own(case))
+    site.site_of(_machine(keys.machine, case, ("machine",)))
+    person.read_person(keys.operator, _under(case, "operator"))
+
+
+KINDS: dict[str, Kind] = {
+    "track": Kind(TrackKeys, tracked, ("machine", "plant", "control", "drive"), require_track),
+    "placing": Kind(PlacingKeys, placed, ("machine",), require_placing),
+    "logs": Kind(LogsKeys, logged, ("machine", "operator"), require_logs, batch=1),
+}

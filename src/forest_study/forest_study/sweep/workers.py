@@ -20,13 +20,12 @@ from forest_study.sweep.trials import KINDS
 if TYPE_CHECKING:
     from distributed import Client
 
-BATCH = 25  # [1] runs at the most: some two seconds of a core
 Row = dict[str, Any]
 
 
-def batches(runs: Sequence[Run], workers: int) -> list[Sequence[Run]]:
-    """Return runs in batches, at least four for each worker where there are enough."""
-    length = max(1, min(BATCH, math.ceil(len(runs) / (4 * workers))))
+def batches(runs: Sequence[Run], workers: int, most: int) -> list[Sequence[Run]]:
+    """Return runs in batches of so many at most, at least four for each worker where there are enough."""
+    length = max(1, min(most, math.ceil(len(runs) / (4 * workers))))
     return [runs[k : k + length] for k in range(0, len(runs), length)]
 
 

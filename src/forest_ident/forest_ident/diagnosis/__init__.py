@@ -1,0 +1,13 @@
+"""Is the machine still what it was? Faults found from the topics of everyday work.
+
+In the order in which data passes:
+
+- `readings`: What is read in one sample; NaN for what is not there.
+- `machine_numbers`: The machine file's numbers, as the residuals need them.
+- `residuals`: What the machine does beside what its file says.
+- `sensor_watch`: Each sensor by itself: missing, frozen.
+- `sequential_test`, `limits`: Has a residual moved, and what a healthy machine may do.
+- `monitor`: All of it in one step.
+- `signatures`, `findings`: Which cause a pattern means, what it may be confused with, what to do.
+- `recorded`: A bag as the monitor would have read it.
+"""

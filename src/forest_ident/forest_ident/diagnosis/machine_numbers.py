@@ -1,0 +1,79 @@
+"""The monitor's numbers of a machine: its file as the residuals need it."""
+
+from typing import NamedTuple
+
+from forest_description.components.drives import SwingDrive
+from forest_description.components.valve_characteristic import ValveLaw
+from forest_description.geometry.linkage import Linkage
+from forest_description.machine import Machine
+from forest_ident.diagnosis.readings import CHANNELS
+from forest_sim.equations.plant_parameters import PlantParameters, plant_parameters
+from forest_sim.hydraulics.load_holding import NONE
+from forest_sim.hydraulics.oil_volume import OilVolume
+from forest_sim.hydraulics.supply import Supply
+from forest_sim.sensors.sensor_suite import KINDS
+
+STRAIGHT = Linkage(1.0, 1.0, 0.0)
+
+
+class Port(NamedTuple):
+    """One port of an actuator."""
+
+    area: float  # [m^2; m^3/rad]
+    wall: float  # capacitance of a hose that is all that yields [m^3/Pa]
+    oil: OilVolume
+    is_open: int  # 1: nothing stands between the transducers at valve and actuator but the hose
+
+
+class AxisNumbers(NamedTuple):
+    """One axis."""
+
+    law: ValveLaw
+    lag: float  # [s] of the spool behind its voltage, dead time included
+    linkage: Linkage
+    one: Port
+    two: Port
+    internal_leakage: float  # [m^3/(s Pa)]
+    external_leakage: float
+
+
+class Parameters(NamedTuple):
+    """All axes, the supply, and which sensors the file says there are."""
+
+    axes: tuple[AxisNumbers, AxisNumbers, AxisNumbers]
+    supply: Supply
+    fitted: tuple[int, ...]  # 1 for each of `CHANNELS` that the machine has
+
+
+def parameters(machine: Machine) -> Parameters:
+    """Return the monitor's numbers of a machine."""
+    plant = plant_parameters(machine)
+    swing, boom, stick = (_axis(machine, plant, i) for i in range(3))
+    kind_of = {channel: kind.name for kind in KINDS for channel in kind.channels}
+    fitted = tuple(int(getattr(machine.sensors, kind_of[name]) is not None) for name in CHANNELS)
+    return Parameters(
+        axes=(swing, boom, stick),
+        supply=plant.supply,
+        fitted=fitted,
+    )
+
+
+def _axis(machine: Machine, plant: PlantParameters, i: int) -> AxisNumbers:
+    axis, valve, drive = plant.axes[i], plant.valves[i], machine.drives[i]
+    lag = 0.0 if valve.lag.frequency in (0.0, float("inf")) else 1.0 / valve.lag.frequency
+    a, ports = axis.actuator, []
+    sides = (
+        (a.own_displacement_1, axis.oil_1, axis.holding_1),
+        (a.own_displacement_2, axis.oil_2, axis.holding_2),
+    )
+    for port, (area, oil, holding) in enumerate(sides, start=1):
+        ports.append(Port(area, machine.line(i, port).capacitance, oil, int(holding.sort == NONE)))
+    return AxisNumbers(
+        law=valve.law,
+        lag=lag + valve.lag.dead_time,
+        linkage=STRAIGHT if isinstance(drive, SwingDrive) else drive.linkage,
+        one=ports[0],
+        two=ports[1],
+        internal_leakage=a.internal_leakage,
+        external_leakage=a.external_leakage,
+    )

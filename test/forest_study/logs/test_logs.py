@@ -1,0 +1,73 @@
+"""The benchmark's statistics, and its command."""
+
+import json
+
+import numpy as np
+import pytest
+
+from forest_study.cli import main
+from forest_study.logs.statistics import difference, mean
+from forest_study.logs.tables import SHOWN, groups, text
+
+
+def test_a_mode_that_does_not_help_is_told_as_such():
+    """Persons differ by half of their time, the modes by nothing: the paired interval holds zero."""
+    rng = np.random.default_rng(1)
+    held, small = 0, 0
+    for _ in range(200):
+        theirs = 90.0 * np.exp(0.5 * rng.standard_normal(12))
+        found = difference(theirs * np.exp(0.05 * rng.standard_normal(12)), theirs)
+        held += found.low <= 0.0 <= found.high
+        small += found.p < 0.05
+    assert 0.9 <= held / 200 <= 0.99
+    assert small == 200 - held
+
+
+def test_a_mode_that_saves_a_tenth_is_told_with_its_interval():
+    rng = np.random.default_rng(2)
+    theirs = 90.0 * np.exp(0.5 * rng.standard_normal(12))
+    found = difference(0.9 * theirs * np.exp(0.02 * rng.standard_normal(12)), theirs)
+    assert found.low < 0.1 < found.high
+    assert found.low > 0.05
+    assert found.p < 1e-6
+    assert difference(theirs, theirs)[:4] == (0.0, 0.0, 0.0, 1.0)
+
+
+def test_one_person_has_no_interval():
+    assert np.isnan(mean([3.0]).half)
+    assert difference([9.0], [10.0]).saved == pytest.approx(0.1)
+    assert np.isnan(difference([9.0], [10.0]).p)
+
+
+@pytest.fixture(scope="module")
+def told(tmp_path_factory):
+    """Run one person in two modes."""
+    pytest.importorskip("distributed")
+    out = tmp_path_factory.mktemp("logs") / "out"
+    arguments = ["logs", "--machine", "forwarder", "--mode", "joint", "tip", "--operator", "expert"]
+    arguments += ["--seeds", "1", "--workers", "1", "--out", str(out)]
+    assert main(arguments) == 0
+    return arguments, json.loads((out / "logs.json").read_text("utf-8")), (out / "logs.md").read_text("utf-8")
+
+
+def test_the_command_compares_the_modes_of_the_same_person(told, capsys):
+    arguments, report, table = told
+    (group,) = report["groups"]
+    times = {mode: figures["time"]["value"] for mode, figures in group["modes"].items()}
+    assert group["saved"]["tip"]["time"]["saved"] == pytest.approx(1.0 - times["tip"] / times["joint"])
+    assert "| expert | tip | 1 |" in table
+    assert main(arguments) == 0  # whole: the table is told anew
+    assert "runs of" not in capsys.readouterr().out
+
+
+def test_a_trial_that_was_not_ended_is_counted_and_its_pair_left_out():
+    def row(mode, seed, error=None):
+        figures = dict.fromkeys(SHOWN, None if error else 10.0)
+        return {"operator": "expert", "trip": 0.0, "mode": mode, "seed": seed, "error": error} | figures
+
+    rows = [row(mode, seed) for mode in ("joint", "tip") for seed in range(3)]
+    rows[1] = row("joint", 1, "not done")
+    (group,) = groups(rows, ["joint", "tip"])
+    assert group.failed == {"joint": 1, "tip": 0}
+    assert group.saved["tip"]["time"].pairs == 2
+    assert "| not ended | 1 | 0 |" in text([group])
