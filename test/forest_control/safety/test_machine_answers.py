@@ -8,6 +8,7 @@ from forest_control.config import controller_settings
 from forest_control.limits.load_weighing import UNREAD, own_weight
 from forest_control.safety.machine_answers import (
     NO_ANSWERS,
+    Answers,
     answered,
     gain,
     is_of_another_rate,
@@ -77,3 +78,118 @@ def test_a_crane_that_moves_freely_bears_boom_and_stick(p, share, light):
     assert not is_too_light(after(5.0, up, up, p=p))
     right = after(0.5, up, up, pressures=(3.0 * force / c.areas[0], 0.0), p=p)
     assert not is_too_light(after(5.0, up, up, right, pressures, p))
+
+
+LAGS = (0.01, 0.03, 0.06)  # [s] of the spools
+LAGGING = P._replace(
+    speed_limits=P.speed_limits._replace(
+        axes=tuple(
+            axis._replace(spool=axis.spool._replace(lag=lag))
+            for axis, lag in zip(P.speed_limits.axes, LAGS, strict=True)
+        )
+    )
+)
+every_joint = pytest.mark.parametrize("joint", [0, 1, 2])
+
+
+def at(joint, value, others=0.0):
+    return tuple(value if i == joint else others for i in range(3))
+
+
+@every_joint
+def test_a_rate_counts_behind_its_low_pass_once_a_joint_was_told_for_half_a_second(joint):
+    before = Answers(
+        told=(0.05, 0.05, 0.05), gone=(0.02, 0.02, 0.02), times=(0.6, 0.6, 0.6), squares=(1e-3,) * 3
+    )
+    u, v = (0.1, 0.2, 0.3), (0.04, 0.06, 0.08)
+    told = 0.05 + (1.0 - math.exp(-PERIOD / (0.2 + LAGS[joint]))) * (u[joint] - 0.05)
+    gone = 0.02 + (1.0 - math.exp(-PERIOD / 0.2)) * (v[joint] - 0.02)
+    found = answered(before, Q, u, v, UNREAD, LAGGING, PERIOD)
+    sums = (found.told, found.gone, found.times, found.squares, found.products, found.responses)
+    wanted = (told, gone, 0.6 + PERIOD, 1e-3 + told**2 * PERIOD, told * gone * PERIOD, gone**2 * PERIOD)
+    assert [of[joint] for of in sums] == pytest.approx(wanted, rel=1e-9)
+
+
+@every_joint
+@pytest.mark.parametrize(
+    ("changed", "counts"),
+    [
+        ({}, True),
+        ({"times": 0.499}, False),
+        ({"times": 0.501}, True),
+        ({"gone": -0.02}, False),  # it goes back
+        ({"squares": 8.1e-3}, True),
+        ({"squares": 8.1e-3, "responses": 7.9e-3}, True),
+        ({"squares": 8.1e-3, "responses": 8.1e-3}, False),  # it has proven right
+    ],
+)
+def test_what_does_not_count_leaves_the_sums_as_they_were(joint, changed, counts):
+    told = {"told": 0.05, "gone": 0.02, "times": 2.0, **changed}
+    before = Answers(**{name: at(joint, value) for name, value in told.items()})
+    u, v = at(joint, before.told[joint]), at(joint, before.gone[joint])
+    found = answered(before, Q, u, v, UNREAD, P, PERIOD)
+    assert (found.squares[joint] > before.squares[joint]) == counts
+
+
+@every_joint
+@pytest.mark.parametrize(
+    ("told", "wish", "time"),
+    [(0.0021, 0.0021, 1.0 + PERIOD), (0.0019, 0.0019, 0.0), (-0.05, -0.05, 1.0 + PERIOD), (0.003, -0.5, 0.0)],
+)
+def test_a_joint_is_told_for_as_long_as_it_is_told_one_way(joint, told, wish, time):
+    found = answered(
+        Answers(told=at(joint, told), times=(1.0, 1.0, 1.0)), Q, at(joint, wish), ZERO, UNREAD, P, PERIOD
+    )
+    assert found.times[joint] == pytest.approx(time)
+
+
+@every_joint
+@pytest.mark.parametrize(
+    ("squares", "products", "responses", "other"),
+    [
+        (5.1e-4, 1.03e-3, 2.1e-3, True),  # too fast
+        (4.9e-4, 1.03e-3, 2.1e-3, False),
+        (5.1e-4, 1.01e-3, 2.1e-3, False),
+        (5.1e-4, 1.03e-3, 1.9e-3, False),
+        (8.1e-3, 3.2e-3, 1.7e-3, True),  # too slow
+        (7.9e-3, 3.1e-3, 1.7e-3, False),
+        (8.1e-3, 3.3e-3, 1.7e-3, False),
+        (8.1e-3, 1.75e-3, 5.2e-4, True),
+        (8.1e-3, 1.75e-3, 4.9e-4, False),
+        (8.1e-3, 3.2e-3, 1.85e-3, False),  # it stopped on its way
+    ],
+)
+def test_the_bounds_of_a_joints_rate(joint, squares, products, responses, other):
+    answers = Answers(
+        squares=at(joint, squares), products=at(joint, products), responses=at(joint, responses)
+    )
+    assert is_of_another_rate(answers, joint) == other
+
+
+@pytest.mark.parametrize(
+    ("u", "v", "way"),
+    [
+        ((0.1, 0.1, 0.1), (0.2, 0.3, 0.4), 0.5),
+        ((-0.1, -0.1, 0.1), (-0.2, -0.3, 0.4), 0.2),
+        ((0.1, 0.1, 0.1), (-0.2, -0.3, 0.4), 0.0),
+        ((-0.1, 0.1, 0.1), (0.2, 0.3, 0.4), 0.3),
+    ],
+)
+def test_the_boom_bears_its_weight_over_the_way_that_it_goes_up_or_swings(u, v, way):
+    c, pressures = P.weighing, (9e6, 4e6)
+    torque = lever_arm(Q[1], c.linkage) * (c.areas[0] * 9e6 - c.areas[1] * 4e6)
+    reach = P.links.boom * math.cos(Q[1]) + P.links.stick * math.cos(Q[1] + Q[2])
+    weight = own_weight(Q, c) - c.gravity * c.empty_head * reach
+    found = answered(NO_ANSWERS, Q, u, v, pressures, P, PERIOD)
+    done = way * PERIOD
+    assert (found.way, found.borne, found.weight) == pytest.approx((done, torque * done, weight * done))
+    blind = answered(NO_ANSWERS, Q, u, v, UNREAD, P, PERIOD)
+    assert (blind.way, blind.borne, blind.weight) == (0.0, 0.0, 0.0)
+    free = Answers(way=0.031, borne=1.0, weight=2.0)
+    assert answered(free, Q, u, v, pressures, P, PERIOD)[-3:] == (0.031, 1.0, 2.0)
+
+
+def test_the_bounds_of_a_booms_weight():
+    assert is_too_light(Answers(way=0.0301, borne=0.79, weight=1.0))
+    assert not is_too_light(Answers(way=0.0299, borne=0.79, weight=1.0))
+    assert not is_too_light(Answers(way=0.0301, borne=0.81, weight=1.0))

@@ -11,7 +11,7 @@ from forest_control.limits.load_weighing import UNREAD as NO_PRESSURES
 from forest_control.operator.levers import Levers, levers_for_tip_velocity
 from forest_control.safety import machine_file
 from forest_control.safety.machine_file import PROVEN, STRANGE, FileCheck, is_wrong, objection, watched
-from forest_control.safety.sinking_joint import LONG, WAY, Sinking
+from forest_control.safety.sinking_joint import LONG, WAY, Sinking, asked
 from forest_control.servo.joint_angle_filter import UNREAD
 from forest_control.servo.schemes import Scheme
 from forest_control.valve import valve_driver_parameters
@@ -104,17 +104,17 @@ def blind(loop):
 @pytest.mark.parametrize(
     ("machine", "model", "said"),
     [
-        ("loader", "c180", "the pressures bear less than boom and stick weigh"),
-        ("loader", "forwarder", "the pressures bear less than boom and stick weigh"),
-        ("c180_hoses", "loader", "times as fast as commanded"),
-        ("forwarder", "loader", "times as fast as commanded"),
+        ("loader", "c180", "machine file: the pressures bear less than boom and stick weigh"),
+        ("loader", "forwarder", "machine file: the pressures bear less than boom and stick weigh"),
+        ("c180_hoses", "loader", "machine file: "),
+        ("forwarder", "loader", "overload: swing stands though its valve is open"),  # its overlap is wider
     ],
 )
 def test_without_transducers_another_machine_is_named_within_two_seconds_of_motion(machine, model, said):
     (when, why), _ = driven(blind(loop_of(load_machine(machine), load_machine(model))), ALL)
     assert when < 2.0
-    assert why.startswith("machine file: ")
-    assert said in why
+    assert why.startswith(said)
+    assert "parameter machine" in why
 
 
 def test_a_wrong_cylinder_geometry_is_named():
@@ -165,7 +165,8 @@ def after(
 ):  # fmt: skip
     voltages = tuple(opens * (volts + math.copysign(1.1, volts)) if volts else 0.0 for volts in command)
     for _ in range(round(seconds / PERIOD)):
-        check = watched(check, ANGLES, rates, lengths, command, voltages, sinking, pressures, P, PERIOD)
+        u = asked(ANGLES, command, P)
+        check = watched(check, ANGLES, rates, lengths, u, voltages, sinking, pressures, P, PERIOD)
     return check
 
 

@@ -39,7 +39,7 @@ class Rig:
         self.levers, self.held, self.angles, self.problem = REST, True, ANGLES, ""
         self.stamp = lambda k: k * PERIOD_NS
         self.shakes, self.driver_speaks, self.override = True, True, NOBODY
-        self.volts, self.command, self.rates = (3.0, 0.0, 0.0), COMMAND, ZERO
+        self.volts, self.command, self.rates = (3.0, 0.0, 0.0), COMMAND, (0.6, 0.0, 0.0)
         self.speak = self.sample
         self.heard = -math.inf
 
@@ -133,7 +133,7 @@ CAUSES = {
         *(Verdict.STOP, 0.2, Cause.FAULT, "valve driver: no voltages"),
     ),
     "driver deaf": (
-        set_to(volts=ZERO),
+        set_to(volts=ZERO, rates=ZERO),
         *(Verdict.STOP, 1.5, Cause.FAULT, "valve driver: keeps the valves shut"),
     ),
     "emergency stop": (

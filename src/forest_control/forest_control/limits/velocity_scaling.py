@@ -44,7 +44,7 @@ class Limit(IntEnum):
     WALL = 5  # of the workspace
     RELEASED = 6  # the deadman is released, or the joystick is lost
     LOAD = 7  # of the crane: what the motion would load further
-    OVERLOAD = 8  # a load has driven a joint back: the crane stands until the levers are armed anew
+    OVERLOAD = 8  # a joint went back, or stood, though its valve was open: until the levers are armed anew
     LATE = 9  # the joystick's link is late: the levers are slower
 
 

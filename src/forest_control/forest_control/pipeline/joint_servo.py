@@ -19,6 +19,7 @@ from forest_control.servo import coordinated_servo
 from forest_control.servo.coordinated_servo import CoordinationParameters, Joint, Memory
 from forest_control.servo.run_ahead import held_back
 from forest_control.servo.schemes import Scheme, Signals, advanced, closes_on_position, moved, servo
+from forest_control.servo.standing import kept_near
 from forest_description.geometry.kinematics import tip_velocity
 from forest_description.types import ZERO, Vec3
 
@@ -39,7 +40,10 @@ def joint_servo(
         memory = coordinated_servo.in_motion(velocity, a, coordinated_servo.MOST_SAMPLES)
         return Servo(reference=inputs.angles, memory=memory, rates=a, velocity=velocity)
     r, s = state.reference, inputs.angles
-    after = within_lead(advanced(p.scheme, r, a, velocity, p.links, dt), r, s, p)
+    after = advanced(p.scheme, r, a, velocity, p.links, dt)
+    if p.scheme == Scheme.COORDINATED and coordinated_servo.all_stand(state.memory, a):
+        after = kept_near(after, a, s)
+    after = within_lead(after, r, s, p)
     if p.scheme == Scheme.COORDINATED:
         gains = _braking(p.coordinated) if command.phase == Phase.STOPPING else p.coordinated
         before = coordinated_servo.going(state.memory, velocity)

@@ -32,9 +32,8 @@ from forest_control.config.controller_settings import Parameters
 from forest_control.limits.load_weighing import Pressures
 from forest_control.safety import machine_answers, sinking_joint
 from forest_control.safety.machine_answers import NO_ANSWERS, Answers
-from forest_control.safety.sinking_joint import Sinking
+from forest_control.safety.sinking_joint import Sinking, opens
 from forest_control.servo.joint_angle_filter import FARTHEST, Lengths
-from forest_description.derived.actuator_kinematics import actuator_speeds_to_joint_rates
 from forest_description.geometry.linkage import angle_at
 from forest_description.types import AXES, ZERO, Vec3
 
@@ -62,7 +61,7 @@ def watched(
     angles: Vec3,
     rates: Vec3,
     lengths: Lengths,
-    command: Vec3,
+    asked: Vec3,
     voltages: Vec3,
     sinking: Sinking,
     pressures: Pressures,
@@ -76,7 +75,7 @@ def watched(
         angles: measured joint angles [rad].
         rates: measured joint rates [rad/s].
         lengths: of the cylinders of boom and stick [m]; NaN: not measured.
-        command: of ideal valves [V] since the last sample.
+        asked: joint rates [rad/s] of the command since the last sample.
         voltages: of the valves, as the driver says [V]: what no open valve has moved proves nothing.
         sinking: joints that have gone against their valves.
         pressures: in the boom's cylinder, head and rod side [Pa]; NaN: not measured.
@@ -85,17 +84,11 @@ def watched(
     """
     if before.wrong >= POLARITY or (before.wrong != FITS and not before.fitted):
         return before
-    speeds = (
-        command[0] * p.rated_speeds[0] / p.rated_voltages[0],
-        command[1] * p.rated_speeds[1] / p.rated_voltages[1],
-        command[2] * p.rated_speeds[2] / p.rated_voltages[2],
-    )
-    u = actuator_speeds_to_joint_rates(angles, speeds, p.linkages)
     loaded = (pressures[0] if voltages[1] > 0.0 else pressures[1]) > BORNE * p.speed_limits.supply_pressure
     u = (
-        u[0] if _opens(voltages[0], 0, p) else 0.0,
-        u[1] if _opens(voltages[1], 1, p) and not loaded else 0.0,
-        u[2] if _opens(voltages[2], 2, p) else 0.0,
+        asked[0] if opens(voltages[0], 0, p) else 0.0,
+        asked[1] if opens(voltages[1], 1, p) and not loaded else 0.0,
+        asked[2] if opens(voltages[2], 2, p) else 0.0,
     )
     ways = (
         _way(before.ways[0], u[0], rates[0], dt),
@@ -115,16 +108,10 @@ def watched(
     for i in range(3):
         if machine_answers.is_of_another_rate(answers, i):
             wrong = GAIN + i
-        sinks = command[i] != 0.0 and sinking_joint.sinks(sinking, i) and not (i == 1 and loaded)
+        sinks = asked[i] != 0.0 and sinking_joint.sinks(sinking, i) and not (i == 1 and loaded)
         if ways[i] < -PROVEN or (ways[i] < PROVEN and sinks):
             wrong = POLARITY + i
     return FileCheck(ways, strange, fitted, wrong, answers)
-
-
-def _opens(voltage: float, i: int, p: Parameters) -> bool:
-    """Tell whether a voltage [V] brings its spool beyond the overlap."""
-    law = p.speed_limits.axes[i].valve
-    return -law.backward.deadband_voltage > voltage or voltage > law.forward.deadband_voltage
 
 
 def _way(before: float, u: float, v: float, dt: float) -> float:

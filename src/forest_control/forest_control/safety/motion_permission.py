@@ -13,7 +13,7 @@ in the subset of Python that `forest_compile` translates; `motion_guard` tells t
 | a sensor gives the same number while its joint is told to move | `frozen_sensor` | STOP |
 | the valve driver is silent, or keeps the valves shut | `driver_response` | STOP |
 | another machine than the file tells of: for good | `machine_file` | STOP |
-| a load that drives a joint back | `sinking_joint` | STOP |
+| a joint that goes back, or stands, though its valve is open | `sinking_joint` | STOP |
 | a joint that goes by itself under a shut valve | `runaway` | STOP |
 | emergency stop; `hands_off` | `Override` | STOP |
 | the deadman is not held, the levers were not centred since | `joystick_watch` | HOLD |
@@ -74,7 +74,7 @@ class Cause(IntEnum):
     EMERGENCY_STOP = 6
     HANDS_OFF = 7
     OPERATOR = 8  # the joystick, or the deadman is not held
-    OVERLOAD = 9  # a load drives a joint back
+    OVERLOAD = 9  # a load, or what a joint has met, drives it back or holds it
 
 
 class Decision(NamedTuple):
@@ -85,7 +85,7 @@ class Decision(NamedTuple):
     believed: bool = False  # the controller may go by the state; if stopped, from rest
     levers: Levers = REST
     dt: float = 0.0  # [s] since the state before; 0: the state counts for nothing
-    overloaded: bool = False  # a load has driven a joint back; until the levers are armed anew
+    overloaded: bool = False  # a joint went back, or stood; until the levers are armed anew
     share: float = 1.0  # of their speed that the levers have, behind a late link
 
 
@@ -211,7 +211,7 @@ def judged(
     if not passes(checks, now):
         faulty = before._replace(checks=checks._replace(let_go=checks.let_go and is_sound(checks)))
         return disarmed(faulty, now, guard), Decision(Verdict.STOP, Cause.FAULT, dt=dt)
-    if sinking_joint.is_sinking(checks.sinking):
+    if sinking_joint.is_overloaded(checks.sinking):
         sunk = checks._replace(sinking=Sinking(), sunk=checks.sinking, let_go=False)
         stop = Decision(Verdict.STOP, Cause.OVERLOAD, believed=True, dt=dt, overloaded=True)
         return disarmed(before._replace(checks=sunk), now, guard), stop
@@ -219,7 +219,7 @@ def judged(
     after, decision = permitted(
         before._replace(checks=checks._replace(let_go=let_go)), now, dt, guard, override
     )
-    overloaded = sinking_joint.is_sinking(checks.sunk)
+    overloaded = sinking_joint.is_overloaded(checks.sunk)
     if decision.verdict == Verdict.MOVE and not let_go:
         cause = Cause.OVERLOAD if overloaded else Cause.OPERATOR
         waiting = Decision(Verdict.HOLD, cause, believed=True, dt=dt, overloaded=overloaded)
@@ -271,7 +271,8 @@ def checked(
     still = before.still
     if not guard.noise_free:
         still = frozen_sensor.watched(before.still, state.angles, command, p, dt)
-    sinking = sinking_joint.watched(before.sinking, state.rates, driver.voltages, p, dt)
+    u = sinking_joint.asked(state.angles, command, p)
+    sinking = sinking_joint.watched(before.sinking, u, state.rates, driver.voltages, p, dt)
     gone = before.runaway
     if driver.received > -math.inf:  # of a driver that has never spoken no valve is known to be shut
         gone = runaway.watched(before.runaway, state.rates, driver.voltages, p, dt)
@@ -284,7 +285,7 @@ def checked(
             state.angles,
             state.rates,
             state.lengths,
-            command,
+            u,
             driver.voltages,
             sinking,
             state.boom_pressures,

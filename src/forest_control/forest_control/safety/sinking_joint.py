@@ -1,26 +1,34 @@
-"""Whether a joint goes back although its valve is open: the load is more than the actuator can bear.
+"""Whether a joint goes back, or stands, although its valve is open.
 
-An open valve does not hold such a load, it lets its oil back to the pump; a shut one bears as much as its
-relief valve. And once the load slips, an open valve throws the tip. So the valves are shut.
+A joint that goes back bears more than its actuator can. An open valve does not hold such a load, it lets its
+oil back to the pump; a shut one bears as much as its relief valve. A joint that stands is held by its load or
+by what it has met, or no voltage reaches its spool, or its valve has no oil. Once it comes free, an open
+valve throws the tip. So the valves are shut, and a person must want to move again.
 
 | symbol | name | unit |
 |---|---|---|
 | V | voltage of the joint's valve, as the driver says | V |
-| v | measured joint rate | rad/s |
+| u, v | commanded and measured joint rate | rad/s |
 | way | what the joint has gone against its open valve, integral of abs v | rad |
+| owed | what it has not gone with it: integral of abs u - abs v / `ANSWERS`, of a low-passed v | rad |
 
-Not seen: a joint that its load only holds. There the reference waits for it (`valve.tracking_limit`).
+Not seen: a joint that goes at a tenth of its rate.
 """
 
+import math
 from typing import NamedTuple
 
 from forest_control.config.controller_settings import Parameters
+from forest_description.derived.actuator_kinematics import actuator_speeds_to_joint_rates
 from forest_description.types import AXES, ZERO, Vec3
 
 WAY = 0.005  # [rad] 30 mm of the tip at 6 m; a joint that turns round under a lagging valve goes less
 LONG = (0.5, 0.1, 0.1)  # [s] in which oil turns a joint round; a swing rocks slowly on its hoses
 LAGS = 1.0  # [1] time constants of its spool until a valve counts as open as its voltage; chosen
 OPEN = 0.4  # [1] of the way from the overlap's edge to the rated voltage: small openings are leakage's
+OWED = 0.03  # [rad] twice what a joint owes that goes: 0.014 of the forwarder's swing, 0.011 in the matrix
+OWED_LAG = 0.1  # [s] of the low-pass of v: what rocks at 4 Hz on its oil is no answer
+ANSWERS = 0.1  # [1] of u, at which a joint owes no more
 
 
 class Sinking(NamedTuple):
@@ -28,22 +36,59 @@ class Sinking(NamedTuple):
 
     ways: Vec3 = ZERO  # [rad]
     times: Vec3 = ZERO  # [s] for which the valve has been as open as its voltage
+    owed: Vec3 = ZERO  # [rad]
+    gone: Vec3 = ZERO  # v, low-passed [rad/s]
 
 
-def watched(before: Sinking, rates: Vec3, voltages: Vec3, p: Parameters, dt: float) -> Sinking:
-    """Return what joints have gone against their valves after a sample.
+def asked(angles: Vec3, command: Vec3, p: Parameters) -> Vec3:
+    """Return the joint rates u [rad/s] that a command of ideal valves [V] asks for at joint angles [rad]."""
+    speeds = (
+        command[0] * p.rated_speeds[0] / p.rated_voltages[0],
+        command[1] * p.rated_speeds[1] / p.rated_voltages[1],
+        command[2] * p.rated_speeds[2] / p.rated_voltages[2],
+    )
+    return actuator_speeds_to_joint_rates(angles, speeds, p.linkages)
+
+
+def opens(voltage: float, i: int, p: Parameters) -> bool:
+    """Tell whether a voltage [V] brings its spool beyond the overlap."""
+    law = p.speed_limits.axes[i].valve
+    return -law.backward.deadband_voltage > voltage or voltage > law.forward.deadband_voltage
+
+
+def watched(before: Sinking, u: Vec3, rates: Vec3, voltages: Vec3, p: Parameters, dt: float) -> Sinking:
+    """Return what joints have gone against their valves, or not with them, after a sample.
 
     Args:
         before: as it was.
+        u: commanded joint rates [rad/s].
         rates: measured joint rates [rad/s].
         voltages: of the valves since the last sample [V].
         p: the controller's parameters.
         dt: since the last sample [s].
     """
+    share = 1.0 - math.exp(-dt / OWED_LAG)
+    gone = (
+        before.gone[0] + share * (rates[0] - before.gone[0]),
+        before.gone[1] + share * (rates[1] - before.gone[1]),
+        before.gone[2] + share * (rates[2] - before.gone[2]),
+    )
+    owed = (
+        _owed(before, u, gone, voltages, 0, p, dt),
+        _owed(before, u, gone, voltages, 1, p, dt),
+        _owed(before, u, gone, voltages, 2, p, dt),
+    )
     way_1, time_1 = _gone_back(before, rates, voltages, 0, p, dt)
     way_2, time_2 = _gone_back(before, rates, voltages, 1, p, dt)
     way_3, time_3 = _gone_back(before, rates, voltages, 2, p, dt)
-    return Sinking((way_1, way_2, way_3), (time_1, time_2, time_3))
+    return Sinking((way_1, way_2, way_3), (time_1, time_2, time_3), owed, gone)
+
+
+def _owed(before: Sinking, u: Vec3, gone: Vec3, voltages: Vec3, i: int, p: Parameters, dt: float) -> float:
+    """Return what one joint has not gone with its open valve [rad], never less than zero."""
+    if not opens(voltages[i], i, p) or voltages[i] * u[i] <= 0.0:
+        return 0.0
+    return max(0.0, before.owed[i] + (abs(u[i]) - abs(gone[i]) / ANSWERS) * dt)
 
 
 def _gone_back(
@@ -61,9 +106,13 @@ def _gone_back(
     return before.ways[i] + abs(rates[i]) * dt, time + dt
 
 
-def is_sinking(sinking: Sinking) -> bool:
-    """Tell whether a load drives a joint back; `objection` says which."""
-    return sinks(sinking, 0) or sinks(sinking, 1) or sinks(sinking, 2)
+def is_overloaded(sinking: Sinking) -> bool:
+    """Tell whether a joint goes back or stands; `objection` says which."""
+    return _refuses(sinking, 0) or _refuses(sinking, 1) or _refuses(sinking, 2)
+
+
+def _refuses(sinking: Sinking, i: int) -> bool:
+    return sinks(sinking, i) or sinking.owed[i] > OWED
 
 
 def sinks(sinking: Sinking, i: int) -> bool:
@@ -72,12 +121,17 @@ def sinks(sinking: Sinking, i: int) -> bool:
 
 
 def objection(sinking: Sinking) -> str:
-    """Return which joint its load drives back, or ""."""
+    """Return which joint its load drives back or holds, or ""."""
     for i, name in enumerate(AXES):
         if sinks(sinking, i):
             way, time = sinking.ways[i], sinking.times[i]
             return (
                 f"overload: {name} went back by {way:.3f} rad in {time:.2f} s though its valve is open;"
                 f" allowed: put the load down, or draw it in"
+            )
+        if _refuses(sinking, i):
+            return (
+                f"overload: {name} stands though its valve is open; allowed: free it, put the load down, or"
+                f" check oil, the valves' cable and parameter machine"
             )
     return ""

@@ -324,7 +324,7 @@ VALVES = {
     ),
     "valves' cable cut": Fault(
         "no voltage reaches the spools, and comes back",
-        "Nobody sees it: gap. When it comes back, the crane runs after its reference, at up to 3 m/s.",
+        "Joints that stand though their valves are open are named after some 1 s at 0.5 m/s.",
         same(Bound(off=1.3), DRIVEN) | {State.EXPERIMENT: Bound()},
         volts=wires.no_volts,
     ),
@@ -341,8 +341,8 @@ MACHINE = {
     ),
     "supply lost": Fault(
         "the pumps give nothing",
-        "The crane stands; in an experiment the supply pressure is told. Driving, nothing is told: gap.",
-        same(Bound(off=1.4, again=False), DRIVEN)
+        "The crane stands, and its joints are named; in an experiment the supply pressure is told.",
+        same(Bound(off=1.4, told="overload", again=False), DRIVEN)
         | {State.EXPERIMENT: Bound(told="the supply pressure", again=False)},
         breaks=wires.no_supply,
         for_good=True,
@@ -350,7 +350,7 @@ MACHINE = {
     "engine stalled": Fault(
         "it stands still",
         "The same.",
-        same(Bound(off=1.4, again=False), DRIVEN)
+        same(Bound(off=1.4, told="overload", again=False), DRIVEN)
         | {State.EXPERIMENT: Bound(told="the supply pressure", again=False)},
         breaks=wires.stalled,
         for_good=True,
