@@ -122,7 +122,7 @@ def _over_time(plants: Floats, lengths: NDArray[np.int64]) -> PlantParameters:
     columns = [
         float(plants[0, k]) if still else np.repeat(plants[:, k], rows) for k, still in enumerate(same)
     ]
-    return _layout()[1](columns)  # type: ignore[arg-type]
+    return _layout()[1](columns)
 
 
 def plants_at(machine: Machine, temperatures: Sequence[float]) -> Floats:
