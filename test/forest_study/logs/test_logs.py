@@ -56,7 +56,9 @@ def test_the_command_compares_the_modes_of_the_same_person(told, capsys):
     arguments, report, table, _ = told
     (group,) = report["groups"]
     times = {mode: figures["time"]["value"] for mode, figures in group["modes"].items()}
-    assert group["saved"]["assisted"]["time"]["saved"] == pytest.approx(1.0 - times["assisted"] / times["tip"])
+    assert group["saved"]["assisted"]["time"]["saved"] == pytest.approx(
+        1.0 - times["assisted"] / times["tip"]
+    )
     assert "| expert | assisted | 1 |" in table
     assert main(arguments) == 0  # whole: the table is told anew
     assert "runs of" not in capsys.readouterr().out

@@ -13,8 +13,8 @@
 The velocity scaling plans with R. What is not learnt, as a heavier load or a weak valve, shows in a
 valve that is fully open while its joint falls behind. Then all joints wait for that one: its
 reference goes slower than it moves, by h e, so it catches up. When the valve is no longer fully
-open, c rises until it limits nothing. The spool's position counts, not its voltage: a spool on its way gets all
-the voltage there is, and waiting would not help.
+open, c rises until it limits nothing. The spool's position counts, not its voltage: a spool on its
+way gets all the voltage there is, and waiting would not help.
 """
 
 import math
