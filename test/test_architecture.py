@@ -189,7 +189,7 @@ def test_colcon_and_pip_install_the_same_executables():
         colcon |= re.findall(
             r'"([\w-]+) = ([\w.]+:main)"', (ROOT / "src" / package / "setup.py").read_text("utf-8")
         )
-    assert len(pip) == 21
+    assert len(pip) == 22
     assert colcon == pip
 
 

@@ -19,6 +19,7 @@ setup(
     entry_points={
         "console_scripts": [
             "experiment_operator_node = forest_ident.experiment_operator_node:main",
+            "monitor_node = forest_ident.monitor_node:main",
             "online_identification_node = forest_ident.online_node:main",
             "recorder_node = forest_bag.recorder_node:main",
             "step_player_node = forest_bag.step_player_node:main",

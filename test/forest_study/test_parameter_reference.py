@@ -30,6 +30,7 @@ MADE = {
     "step_player": "forest_bag.step_player_node.StepPlayerNode",
     "experiment_operator": "forest_ident.experiment_operator_node.ExperimentOperatorNode",
     "online_identification": "forest_ident.online_node.OnlineIdentificationNode",
+    "monitor": "forest_ident.monitor_node.MonitorNode",
     "delay": "forest_study.delay_node.DelayNode",
     "cycle": "forest_control.cycle_node.CycleNode",
     "twist": "forest_control.twist_node.TwistNode",

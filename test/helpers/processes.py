@@ -33,6 +33,7 @@ PORT_TAKEN = "RTPS_TRANSPORT_SHM"
 IMPORTED = (
     *("forest_control.controller_node", "forest_control.joystick_node", "forest_control.valve_driver_node"),
     *("forest_sim.simulator_node", "forest_ident.experiment_operator_node", "forest_ident.online_node"),
+    "forest_ident.monitor_node",
     *("forest_bag.recorder_node", "forest_bringup.graph", "forest_station.station"),
     *("forest_station.station_node", "forest_control.cycle_node"),
     *("forest_study.demo.demo", "forest_study.cli", "forest_study.experiments.forest_ident_main"),

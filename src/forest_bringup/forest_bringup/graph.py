@@ -167,6 +167,11 @@ def program_velocity() -> NodeSpec:
     return NodeSpec("twist", "forest_control.twist_node", (), needed=False)
 
 
+def monitor(machine: str) -> NodeSpec:
+    """Return the node that tells on /diagnostics what is wrong with the machine."""
+    return NodeSpec("monitor", "forest_ident.monitor_node", machine_arguments(machine), needed=False)
+
+
 def viewer(machine: str) -> NodeSpec:
     """Return the node that draws the crane for viewers."""
     return NodeSpec("viewer", "forest_viewers.viewer_node", machine_arguments(machine), needed=False)
@@ -214,6 +219,7 @@ def parse_options(arguments: Sequence[str] | None) -> argparse.Namespace:
     parser.add_argument("--record", type=Path, metavar="DIR", help="record a bag there")
     parser.add_argument("--cycles", type=Path, metavar="DIR", help="taught work: cycles are kept there")
     parser.add_argument("--twist", action="store_true", help="follow a program's delta_twist_cmds")
+    parser.add_argument("--monitor", action="store_true", help="tell on /diagnostics what is wrong with it")
     return parser.parse_args(arguments)
 
 
@@ -230,6 +236,8 @@ def graph_nodes(options: argparse.Namespace) -> list[NodeSpec]:
         nodes.insert(0, taught_work(options.machine, options.cycles))
     if options.twist:
         nodes.insert(0, program_velocity())
+    if options.monitor:
+        nodes.append(monitor(options.machine))
     if options.viewer or options.foxglove:
         nodes.append(viewer(options.machine))
     if options.foxglove:

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from launch import LaunchDescription
 
 VALUES = ("machine", "scheme", "namespace", "profile", "joystick", "cycles", "foxglove", "record")
-FLAGS = ("no_simulator", "shadow", "viewer", "twist")
+FLAGS = ("no_simulator", "shadow", "viewer", "twist", "monitor")
 
 
 def generate_launch_description() -> LaunchDescription:

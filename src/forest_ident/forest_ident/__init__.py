@@ -15,6 +15,7 @@ In the order in which data passes:
   records.
 - `report`: The results as a page, plots and a machine file.
 - `diagnosis`: Is the machine still what it was? Faults found from the topics of everyday work.
+- `monitor_node`: Self-diagnosis as a node: what is wrong with the machine, on /diagnostics.
 - `online`: Running estimates while the machine works.
 - `online_node`: On-line identification as a node: running estimates of overlap, gain and damping beside the
   off-line fit.

@@ -17,6 +17,7 @@ from forest_msgs_py.runtime import command_line
 from forest_study.ablation import ablation_command, cycles_command
 from forest_study.closed_loop.link_model import LinkError
 from forest_study.demo import replay
+from forest_study.diagnosis import diagnosis_command
 from forest_study.faults import faults_command
 from forest_study.latency import delay_study, placing, timing
 from forest_study.logs import logs_command
@@ -103,6 +104,8 @@ def _parser() -> argparse.ArgumentParser:
     logs_command.add_arguments(moving)
     many = _command(commands, "sweep", _sweep, "thousands of runs from a study's file, resumable")
     sweep_command.add_arguments(many)
+    text = "the monitor's false alarms and detections, from sweeps of kind diagnosis"
+    diagnosis_command.add_arguments(_command(commands, "diagnosis", _diagnosis, text))
     return parser
 
 
@@ -162,6 +165,10 @@ def _sway(options: argparse.Namespace) -> int:
 
 def _sweep(options: argparse.Namespace) -> int:
     return sweep_command.run(options)
+
+
+def _diagnosis(options: argparse.Namespace) -> int:
+    return diagnosis_command.run(options)
 
 
 def _logs(options: argparse.Namespace) -> int:

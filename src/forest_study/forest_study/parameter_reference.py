@@ -20,6 +20,7 @@ from forest_control.operator.joystick_sources import JoystickParameters
 from forest_control.operator.joystick_watch import WatchParameters
 from forest_control.valve.valve_driver_parameters import DriverParameters
 from forest_control.valve.valve_driver_parameters import Settings as DriverSettings
+from forest_ident.diagnosis.monitor_parameters import MonitorParameters
 from forest_ident.driving.operator_parameters import OperatorParameters
 from forest_ident.online.online_parameters import OnlineParameters
 from forest_msgs_py.clock.clock_parameters import ClockParameters, LeaderParameters, ListenerParameters
@@ -64,6 +65,7 @@ NODES: dict[str, tuple[str, tuple[type[tuple[Any, ...]], ...]]] = {
         "ros2 run forest_ident experiment_operator_node",
         (MachineParameter, OperatorParameters, ClockParameters),
     ),
+    "monitor": ("ros2 run forest_ident monitor_node", (MachineParameter, MonitorParameters, ClockParameters)),
     "online_identification": (
         "ros2 run forest_ident online_identification_node",
         (MachineParameter, OnlineParameters, ClockParameters),

@@ -101,7 +101,7 @@ def test_a_rate_counts_behind_its_low_pass_once_a_joint_was_told_for_half_a_seco
     before = Answers(
         told=(0.05, 0.05, 0.05), gone=(0.02, 0.02, 0.02), times=(0.6, 0.6, 0.6), squares=(1e-3,) * 3
     )
-    u, v = (0.1, 0.2, 0.3), (0.04, 0.06, 0.08)
+    u, v = (0.1, 0.2, 0.3), (0.021, 0.015, 0.01)
     told = 0.05 + (1.0 - math.exp(-PERIOD / (0.2 + LAGS[joint]))) * (u[joint] - 0.05)
     gone = 0.02 + (1.0 - math.exp(-PERIOD / 0.2)) * (v[joint] - 0.02)
     found = answered(before, Q, u, v, UNREAD, LAGGING, PERIOD)
@@ -129,6 +129,18 @@ def test_what_does_not_count_leaves_the_sums_as_they_were(joint, changed, counts
     u, v = at(joint, before.told[joint]), at(joint, before.gone[joint])
     found = answered(before, Q, u, v, UNREAD, P, PERIOD)
     assert (found.squares[joint] > before.squares[joint]) == counts
+
+
+@every_joint
+@pytest.mark.parametrize("side", [1.0, -1.0])
+def test_a_swing_that_takes_two_seconds_to_its_speed_is_not_called_slow(joint, side):
+    answers = NO_ANSWERS
+    for step in range(400):
+        v = at(joint, side * 0.1 * step * PERIOD)
+        answers = answered(answers, Q, at(joint, side * 0.5), v, UNREAD, P, PERIOD)
+        assert answers.squares[joint] == 0.0
+    late = after(1.0, at(joint, side * 0.5), at(joint, side * 0.19), answers)
+    assert is_of_another_rate(late, joint)  # that is its speed
 
 
 @every_joint

@@ -10,7 +10,6 @@ from forest_control.valve.tracking_limit import (
     FULL,
     NO_TRACKING_LIMIT,
     Reach,
-    TrackingLimit,
     bounded,
     ceiling,
     learnt_reach,
@@ -102,7 +101,7 @@ def test_waiting_ends_once_the_valve_has_room():
     late = run(NO_TRACKING_LIMIT, 0.5)
     ceilings = [run(late, seconds, 5.0).stick.ceiling for seconds in (0.25, 0.5, 3.0)]
     assert late.stick.ceiling < ceilings[0] < ceilings[1]
-    assert ceilings[2] == math.inf
+    assert ceilings[2] > 2.0  # faster than any joint
 
 
 @pytest.mark.parametrize("way", ["forward", "backward"])
@@ -202,15 +201,14 @@ def test_a_joint_that_nobody_wishes_to_move_is_not_waited_for(joint, sign):
 
 
 @every_joint_both_ways
-def test_a_wait_grows_by_e_in_half_a_second_and_is_none_from_two_radians_a_second_on(joint, sign):
+def test_a_wait_grows_by_e_in_half_a_second_and_never_ends_its_growth(joint, sign):
     late = told(NO_TRACKING_LIMIT, 0.5, **behind(joint, sign))
     room = {**behind(joint, sign), "voltages": (0.0, 0.0, 0.0)}
     before, after = joints_of(late)[joint], joints_of(told(late, 0.5, **room))[joint]
     assert after.ceiling == pytest.approx(math.e * before.ceiling)
     assert after.side == sign
-    lasts = 0.5 * math.log(2.0 / before.ceiling)
-    assert joints_of(told(late, lasts - 2 * DT, **room))[joint].ceiling == pytest.approx(2.0, rel=0.03)
-    assert joints_of(told(late, lasts + 2 * DT, **room))[joint] == TrackingLimit(math.inf, 0.0)
+    long = joints_of(told(late, 3.0, **room))[joint]
+    assert long.ceiling == pytest.approx(math.exp(6.0) * before.ceiling)
 
 
 @every_joint_both_ways

@@ -78,6 +78,39 @@ def test_a_search_that_ends_by_its_last_step_says_so(monkeypatch):
     assert fitted(0.0, 0, Channel("y", 1e-9)).converged
 
 
+def test_a_search_ends_where_the_cost_does_not_fall_though_the_derivatives_promise_it():
+    """A number that the simulator rounds has derivatives over a wide difference, and none over a step."""
+
+    def rounded(values):
+        return {"y": decay(values)["y"] + 0.01 * np.round(values["late"], 1) * X}
+
+    y = decay({"size": 2.0, "rate": 3.0})["y"] + np.random.default_rng(1).normal(0.0, 0.05, len(X))
+    unknowns = [Unknown("size", 2.01), Unknown("rate", 3.02), Unknown("late", 1.02, 0.4, difference=0.25)]
+    assert fit(rounded, {"y": y}, [Channel("y", 0.05)], unknowns).iterations <= 6
+
+
+def test_a_search_that_explains_nothing_ends_with_the_gain():
+    """What the model lacks leaves far more than noise: no step is worth its simulations."""
+    y = decay({"size": 2.0, "rate": 3.0})["y"] + 0.5 * np.sin(40.0 * X)
+    found = fit(decay, {"y": y}, [Channel("y", 1e-3)], [Unknown("size", 2.5), Unknown("rate", 2.0)])
+    assert found.converged
+    assert found.iterations <= 5
+
+
+def test_derivatives_of_a_rough_model_find_the_same():
+    def rough(values):
+        return {"y": 0.3 + 1.05 * decay(values)["y"]}
+
+    y = decay({"size": 2.0, "rate": 3.0})["y"] + np.random.default_rng(1).normal(0.0, 0.05, len(X))
+    one, other = (
+        fit(decay, {"y": y}, [Channel("y", 0.05)], [Unknown("size", 1.8), Unknown("rate", 3.3)], rough=model)
+        for model in (None, rough)
+    )
+    for key, error in one.errors.items():
+        assert other.values[key] == pytest.approx(one.values[key], abs=0.1 * error)
+        assert other.errors[key] == pytest.approx(error, rel=0.1)
+
+
 def test_residuals_that_hang_together_widen_the_errors():
     """Noise that holds for 20 rows has a twentieth of the rows' worth."""
     errors = []

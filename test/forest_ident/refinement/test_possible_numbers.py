@@ -43,6 +43,15 @@ def test_an_estimate_that_contradicts_the_rest_of_the_machine_is_a_remark_and_th
     assert "valve.deadband_voltage: found 10.85, which is impossible" in result.remarks[0]
 
 
+def test_what_is_possible_depends_on_the_sort_of_valve_that_the_machine_has():
+    """A pilot check's setting ends at 100 bar; a counterbalance valve's begins about there."""
+    crane, key = load_machine("c180"), "boom.holding_1.setting"
+    result = result_of(**{key: 2.15e7})
+    result.machine = result.start = crane
+    assert applied(result, {key: 2.15e7}).boom.holding_1.setting == 2.15e7
+    assert not result.remarks
+
+
 @pytest.mark.parametrize("value", [np.nan, np.inf])
 def test_no_number_is_impossible(value):
     result = result_of(**{"stick.damping": 1.0})

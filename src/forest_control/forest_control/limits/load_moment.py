@@ -32,7 +32,6 @@ from forest_description.types import Vec3
 APPROACH = 1.0  # [1/s] k: the weighing lags by 1.1 s, and a quicker approach would overshoot; chosen
 WARNED = 0.9  # [1] of U, from which a person is warned: usual of rated capacity limiters
 FULL = 1.0  # [1] of U, at which only what unloads passes
-SLIGHT = 1e-3  # [1] least U that is counted with: an empty head weighs nothing
 BELIEVED = 1.25  # [1] greatest U that is believed: the static test of EN 12999; broken transducers read more
 
 
@@ -131,7 +130,7 @@ def _size(v: Vec3) -> float:
 
 def allowed_speed(load: Loading) -> float:
     """Return how fast a motion may load [m/s]."""
-    if load.share < SLIGHT:
+    if load.share <= 0.0:  # an empty head weighs nothing
         return math.inf
     return max(0.0, APPROACH * load.reach * (FULL / load.share - FULL))
 

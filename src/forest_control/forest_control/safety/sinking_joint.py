@@ -11,6 +11,7 @@ valve throws the tip. So the valves are shut, and a person must want to move aga
 | u, v | commanded and measured joint rate | rad/s |
 | way | what the joint has gone against its open valve, integral of abs v | rad |
 | owed | what it has not gone with it: integral of abs u - abs v / `ANSWERS`, of a low-passed v | rad |
+| since | how long it has owed something | s |
 
 Not seen: a joint that goes at a tenth of its rate.
 """
@@ -29,6 +30,7 @@ OPEN = 0.4  # [1] of the way from the overlap's edge to the rated voltage: small
 OWED = 0.03  # [rad] twice what a joint owes that goes: 0.014 of the forwarder's swing, 0.011 in the matrix
 OWED_LAG = 0.1  # [s] of the low-pass of v: what rocks at 4 Hz on its oil is no answer
 ANSWERS = 0.1  # [1] of u, at which a joint owes no more
+STARTS = 0.3  # [s] a joint may owe more at a step of its lever: spool and oil take so long, at any rate
 
 
 class Sinking(NamedTuple):
@@ -37,6 +39,7 @@ class Sinking(NamedTuple):
     ways: Vec3 = ZERO  # [rad]
     times: Vec3 = ZERO  # [s] for which the valve has been as open as its voltage
     owed: Vec3 = ZERO  # [rad]
+    since: Vec3 = ZERO  # [s]
     gone: Vec3 = ZERO  # v, low-passed [rad/s]
 
 
@@ -78,10 +81,15 @@ def watched(before: Sinking, u: Vec3, rates: Vec3, voltages: Vec3, p: Parameters
         _owed(before, u, gone, voltages, 1, p, dt),
         _owed(before, u, gone, voltages, 2, p, dt),
     )
+    since = (
+        _later(before, owed, 0, dt),
+        _later(before, owed, 1, dt),
+        _later(before, owed, 2, dt),
+    )
     way_1, time_1 = _gone_back(before, rates, voltages, 0, p, dt)
     way_2, time_2 = _gone_back(before, rates, voltages, 1, p, dt)
     way_3, time_3 = _gone_back(before, rates, voltages, 2, p, dt)
-    return Sinking((way_1, way_2, way_3), (time_1, time_2, time_3), owed, gone)
+    return Sinking((way_1, way_2, way_3), (time_1, time_2, time_3), owed, since, gone)
 
 
 def _owed(before: Sinking, u: Vec3, gone: Vec3, voltages: Vec3, i: int, p: Parameters, dt: float) -> float:
@@ -89,6 +97,11 @@ def _owed(before: Sinking, u: Vec3, gone: Vec3, voltages: Vec3, i: int, p: Param
     if not opens(voltages[i], i, p) or voltages[i] * u[i] <= 0.0:
         return 0.0
     return max(0.0, before.owed[i] + (abs(u[i]) - abs(gone[i]) / ANSWERS) * dt)
+
+
+def _later(before: Sinking, owed: Vec3, i: int, dt: float) -> float:
+    """Return how long one joint has owed something [s]."""
+    return before.since[i] + dt if owed[i] > 0.0 else 0.0
 
 
 def _gone_back(
@@ -112,7 +125,7 @@ def is_overloaded(sinking: Sinking) -> bool:
 
 
 def _refuses(sinking: Sinking, i: int) -> bool:
-    return sinks(sinking, i) or sinking.owed[i] > OWED
+    return sinks(sinking, i) or (sinking.owed[i] > OWED and sinking.since[i] > STARTS)
 
 
 def sinks(sinking: Sinking, i: int) -> bool:

@@ -13,8 +13,8 @@
 The velocity scaling plans with R. What is not learnt, as a heavier load or a weak valve, shows in a
 valve that is fully open while its joint falls behind. Then all joints wait for that one: its
 reference goes slower than it moves, by h e, so it catches up. When the valve is no longer fully
-open, c rises and vanishes. The spool's position counts, not its voltage: a spool on its way gets all
-the voltage there is, and waiting would not help.
+open, c rises until it limits nothing. The spool's position counts, not its voltage: a spool on its
+way gets all the voltage there is, and waiting would not help.
 """
 
 import math
@@ -33,7 +33,6 @@ CATCH_UP = 4.0  # [1/s] h, near the position gain of the coordinated scheme; cho
 FALL = 0.03  # [s] time constant with which a ceiling comes down; chosen, not measured
 RISE = 0.5  # [s] in which a ceiling grows by the factor e; chosen, not measured
 LOWEST = 0.01  # [rad/s] of a ceiling: a joint that is stuck is still asked to move
-SPENT = 2.0  # [rad/s] of a ceiling that has risen so far that it counts as none; chosen
 FAR = 1e-3  # [rad] of e, 6 mm of the tip at 6 m: nearer, the joint follows
 STATUS_EVERY = 20  # [1] steps between two reports of the driver: 10 Hz
 WIDE = 0.95  # [1] of the rated voltage, from which a valve is fully open: noise and the lag keep it below 1
@@ -148,10 +147,7 @@ def _updated(limit: TrackingLimit, wide: bool, a: float, e: float, v: float, dt:
         before = min(limit.ceiling, abs(a)) if limit.side == side else abs(a)
         ceiling = followed + math.exp(-dt / FALL) * (before - followed)
         return TrackingLimit(min(before, ceiling), side)
-    if limit.ceiling == math.inf:
-        return TrackingLimit(math.inf, 0.0)
-    risen = limit.ceiling * math.exp(dt / RISE)
-    return TrackingLimit(risen, limit.side) if risen < SPENT else TrackingLimit(math.inf, 0.0)
+    return TrackingLimit(limit.ceiling * math.exp(dt / RISE), limit.side)
 
 
 def ceiling(limit: TrackingLimit, rate: float) -> float:

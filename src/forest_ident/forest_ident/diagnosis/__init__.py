@@ -9,5 +9,6 @@ In the order in which data passes:
 - `sequential_test`, `limits`: Has a residual moved, and what a healthy machine may do.
 - `monitor`: All of it in one step.
 - `signatures`, `findings`: Which cause a pattern means, what it may be confused with, what to do.
+- `monitor_parameters`: What a user may set of the node.
 - `recorded`: A bag as the monitor would have read it.
 """

@@ -8,7 +8,7 @@ from forest_ident.diagnosis import sensor_watch
 from forest_ident.diagnosis.monitor import Parameters, State
 from forest_ident.diagnosis.readings import CHANNELS
 from forest_ident.diagnosis.residuals import NAMES
-from forest_ident.diagnosis.sequential_test import score
+from forest_ident.diagnosis.sequential_test import Limits, score
 from forest_ident.diagnosis.signatures import CAUSES, MACHINE_FILE, SENSOR_FROZEN, SENSOR_LOST, Cause
 
 MACHINE, SENSORS = "machine", "sensors"
@@ -54,12 +54,14 @@ def alarms(state: State, p: Parameters) -> Alarms:
     watched = list(zip(CHANNELS, state.sensors, p.machine.fitted, strict=True))
     missing = [name for name, sensor, fitted in watched if sensor_watch.is_missing(sensor, fitted)]
     frozen = [name for name, sensor, _ in watched if sensor_watch.is_frozen(sensor) and name not in missing]
-    out = [
-        name
-        for name, test, of in zip(NAMES, state.tests, p.limits, strict=True)
-        if of.tolerance > 0.0 and abs(test.mean) > of.tolerance
-    ]
+    out = out_from_the_start([test.mean for test in state.tests], p.limits)
     return Alarms({name: x for name, x in scores.items() if abs(x) >= 1.0}, frozen, missing, out)
+
+
+def out_from_the_start(references: Sequence[float], limits: Sequence[Limits]) -> list[str]:
+    """Return the residuals whose reference is beyond what a healthy machine may be off."""
+    rows = zip(NAMES, references, limits, strict=True)
+    return [name for name, mean, of in rows if of.tolerance > 0.0 and abs(mean) > of.tolerance]
 
 
 def findings(told: Alarms) -> list[Finding]:

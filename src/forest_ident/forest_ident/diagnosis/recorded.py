@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from forest_bag.read.timeseries import Bag, read_bag
 from forest_description.types import AXES, Floats
+from forest_ident.diagnosis.monitor_parameters import MonitorParameters
 from forest_ident.diagnosis.readings import Learnt, Readings, Way
 from forest_ident.measurements.session import SessionError
 from forest_msgs_py.interfaces.topics import (
@@ -24,7 +25,7 @@ from forest_msgs_py.interfaces.topics import (
     Topic,
 )
 
-TIMEOUT, SLOW_TIMEOUT = 0.1, 0.5  # [s] of a topic at 200 Hz, and at 10 Hz
+AS_LIVE = MonitorParameters()  # its timeouts
 LONGEST = 0.1  # [s] between two states that count as one period
 LEARNT = tuple(
     f"{axis}_{way}_{what}"
@@ -55,7 +56,8 @@ class Sample(NamedTuple):
 
 def readings_of(row: list[float]) -> Readings:
     """Return the readings of the numbers of `PARTS`, one after the other."""
-    volts, angles, lengths, ports = row[0:3], row[3:6], row[6:8], row[8:20]
+    volts = [0.0 if math.isnan(x) else x for x in row[0:3]]  # a driver that is silent opens nothing
+    angles, lengths, ports = row[3:6], row[6:8], row[8:20]
     spools, flows, learnt = row[21:24], row[26:28], row[28:]
     swing, boom, stick = (
         Learnt(Way(*learnt[8 * i : 8 * i + 4]), Way(*learnt[8 * i + 4 : 8 * i + 8])) for i in range(3)
@@ -88,7 +90,6 @@ def samples(path: Path) -> Iterator[Sample]:
     base = bag.series(JOINT_STATES).time_ns
     base = base[np.concatenate([[True], np.diff(np.maximum.accumulate(base)) > 0])]  # stamps that rise
     table = np.hstack([_column(bag, topic, labels, base) for topic, labels in PARTS])
-    table[:, :3] = np.nan_to_num(table[:, :3])  # a driver that is silent opens nothing
     time = (base - base[0]) * 1e-9
     before = -math.inf
     for now, row in zip(time.tolist(), table.tolist(), strict=True):
@@ -104,7 +105,7 @@ def _column(bag: Bag, topic: Topic, labels: tuple[str, ...], base: NDArray[np.in
     series = bag.series(topic)
     until = base - 1 if topic is VALVE_VOLTAGES else base  # a voltage acts from the next state on
     at = np.searchsorted(series.time_ns, until, side="right") - 1
-    oldest = (SLOW_TIMEOUT if topic is VALVE_DRIVER_STATUS else TIMEOUT) * 1e9
+    oldest = 1e9 * (AS_LIVE.slow_timeout if topic is VALVE_DRIVER_STATUS else AS_LIVE.timeout)
     fresh = (at >= 0) & (base - series.time_ns[np.maximum(at, 0)] <= oldest)
     for i, label in enumerate(labels):
         if label in series.labels:

@@ -27,6 +27,7 @@ LONGER = (1, 4)  # times a block: residuals may be correlated over more than one
 FEWEST = 16  # blocks that show a scatter
 
 
+FAR = 5.0  # times a sensor's noise: greater residuals are errors of the model
 EPSILON = 1e-3  # of a told number's standard deviation, by which it is moved
 
 

@@ -18,6 +18,8 @@ along, and takes a simulation per parameter for each step. Here derivatives are 
 
 The covariance is that of white residuals. Where the scatter over blocks of `BLOCK` rows shows that they are
 not white, the record's share is widened, for all parameters alike (`Problem.covariance`).
+Derivatives and other changes may come from a rougher model, which takes half the time: a search ends where
+the exact model's residuals are at right angles to them, that is within some hundredths of a standard error.
 The noise of the model's own measured inputs shows in no residual: it is drawn again, and its effect added.
 
 Thesis section 4.1.2. Differs: the thesis estimates each parameter by a linear least-squares fit of its own;
@@ -32,7 +34,7 @@ import numpy as np
 
 from forest_description.config.parameter import MachineError
 from forest_description.types import Floats
-from forest_ident.output_error.fit_problem import Channel, Columns, Fit, Jacobian, Problem, Unknown
+from forest_ident.output_error.fit_problem import FAR, Channel, Columns, Fit, Jacobian, Problem, Unknown
 from forest_ident.output_error.gaussian_estimate import (
     EMPTY,
     GaussianEstimate,
@@ -48,6 +50,8 @@ TRIES = 8  # of one step, each with more damping
 CONVERGED = 0.1  # of the standard errors, that the last step moved
 STALE = 0.03  # of a positive parameter, from where derivatives were taken, to take them again
 SLOW = 0.3  # of the last step; after a longer step derivatives are taken again, too
+LITTLE = 0.03  # by which a step lowers the cost at least, if the search is to go on: 1 is a standard error
+USELESS = 0.01  # share of the cost, the same, where the model does not explain the record
 
 Model = Callable[[Mapping[str, float]], Columns]
 
@@ -62,6 +66,7 @@ def fit(
     prior: GaussianEstimate = EMPTY,
     redrawn: Sequence[Model] = (),
     told: Sequence[Mapping[str, float]] = (),
+    rough: Model | None = None,
 ) -> Fit:
     """Return the parameters that explain the measured columns best.
 
@@ -73,11 +78,12 @@ def fit(
         progress: called after every simulation.
         block: rows within which residuals may be correlated.
         prior: what earlier fits found, of parameters and of the sensors' static errors.
-        redrawn: the model again, each time with the noise of its inputs drawn once more.
+        redrawn: the rough model again, each time with the noise of its inputs drawn once more.
         told: parameters that are not estimated, each moved by `EPSILON` of its standard deviation, by key.
+        rough: a quicker model, whose changes are near those of the model; without it the model itself.
     """
     problem = Problem(measured=measured, channels=channels, unknowns=unknowns, block=block, prior=prior)
-    return _Search(model, problem, unknowns, channels, progress).fit(prior, redrawn, told)
+    return _Search(model, rough or model, problem, unknowns, channels, progress).fit(prior, redrawn, told)
 
 
 def damped_step(
@@ -102,12 +108,13 @@ class _Search:
     def __init__(
         self,
         model: Model,
+        rough: Model,
         problem: Problem,
         unknowns: Sequence[Unknown],
         channels: Sequence[Channel],
         progress: Callable[[], None],
     ) -> None:
-        self._model, self._problem, self._progress = model, problem, progress
+        self._model, self._rough, self._problem, self._progress = model, rough, problem, progress
         self._unknowns, self._channels = unknowns, channels
 
     def fit(
@@ -121,18 +128,25 @@ class _Search:
         converged = False
         while not converged and iterations < ITERATIONS:
             iterations += 1
-            theta, predicted, damping, moved = self._step(theta, predicted, jacobian, damping)
+            theta, predicted, damping, moved, fall = self._step(theta, predicted, jacobian, damping)
             problem.update_noise(theta, predicted)
             stale = self._distance(theta, taken) > STALE
-            converged = not stale and (CONVERGED > moved > 0.0 or (fresh and moved == 0.0))
+            ended = CONVERGED > moved > 0.0 or (fresh and fall < LITTLE)
+            converged = (ended and not stale) or (moved > 0.0 and fall < self._useless(theta, predicted))
             fresh = stale or moved > SLOW * last or moved == 0.0
             last = math.inf if fresh else moved
             if fresh and not converged:
                 jacobian, taken = self._derivatives(theta, predicted), theta
-        inputs = [self._simulate(model, theta) for model in redrawn]
+        base = self._base(theta, predicted)
+
+        def after(model: Model, number: Mapping[str, float]) -> Columns:
+            moved = self._simulate(model, theta, number)
+            return {name: column + (moved[name] - base[name]) for name, column in predicted.items()}
+
+        inputs = [after(model, MappingProxyType({})) for model in redrawn]
         covariance = problem.covariance(theta, predicted, jacobian, inputs)
         values = problem.values(theta)
-        others = [self._simulate(self._model, theta, number) if number else predicted for number in told]
+        others = [after(self._rough, number) if number else predicted for number in told]
         before = prior.moves(problem.names, len(told))
         slopes, told_noise = problem.told_effect(theta, predicted, jacobian, others, before)
         sds = np.sqrt(np.maximum(np.diag(covariance), 0.0))[: problem.count].tolist()
@@ -162,15 +176,22 @@ class _Search:
         self._progress()
         return {c.name: np.asarray(columns[c.name], dtype=np.float64) for c in self._channels}
 
-    def _derivatives(self, theta: Floats, predicted: Mapping[str, Floats]) -> list[dict[str, Floats]]:
-        found = []
+    def _base(self, theta: Floats, predicted: dict[str, Floats]) -> dict[str, Floats]:
+        """Return what the rough model predicts: changes are counted from there."""
+        return predicted if self._rough is self._model else self._simulate(self._rough, theta)
+
+    def _useless(self, theta: Floats, predicted: dict[str, Floats]) -> float:
+        """Return how little of the cost is not worth a step more, where the record is not explained."""
+        far = any(self._problem.sigma[c.name] > FAR * c.noise for c in self._channels)
+        return USELESS * self._problem.cost(theta, predicted) if far else 0.0
+
+    def _derivatives(self, theta: Floats, predicted: dict[str, Floats]) -> list[dict[str, Floats]]:
+        found, base = [], self._base(theta, predicted)
         for place, unknown in enumerate(self._unknowns):
             moved = theta.copy()
             moved[place] += unknown.difference
-            after = self._simulate(self._model, moved)
-            found.append(
-                {name: (after[name] - column) / unknown.difference for name, column in predicted.items()}
-            )
+            after = self._simulate(self._rough, moved)
+            found.append({name: (after[name] - column) / unknown.difference for name, column in base.items()})
         return found
 
     def _step(
@@ -179,8 +200,8 @@ class _Search:
         predicted: dict[str, Floats],
         jacobian: Jacobian,
         damping: float,
-    ) -> tuple[Floats, dict[str, Floats], float, float]:
-        """Return theta after a step that lowers the cost, what it predicts, damping, how far it moved."""
+    ) -> tuple[Floats, dict[str, Floats], float, float, float]:
+        """Return theta after a step that lowers the cost, what it predicts, damping, its move and fall."""
         problem = self._problem
         information, gradient = problem.normal(theta, predicted, jacobian)
         hessian = information + problem.known
@@ -190,11 +211,11 @@ class _Search:
             move = damped_step(hessian, slope, damping, 1e-30, problem.reach)
             try:
                 after = self._simulate(self._model, theta + move)
-                lower = problem.cost(theta + move, after) <= before
+                fall = before - problem.cost(theta + move, after)
             except (MachineError, ValueError):
-                lower = False
-            if lower:
+                fall = -math.inf
+            if fall >= 0.0:
                 errors = np.sqrt(np.maximum(np.diag(inverse(hessian)), 1e-300))
-                return theta + move, after, damping / 10.0, float(np.max(np.abs(move) / errors))
+                return theta + move, after, damping / 10.0, float(np.max(np.abs(move) / errors)), fall
             damping = 10.0 * max(damping, 1e-3)
-        return theta, predicted, damping, 0.0
+        return theta, predicted, damping, 0.0, 0.0

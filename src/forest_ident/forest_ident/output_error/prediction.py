@@ -4,9 +4,9 @@ The simulation starts at rest: angles and pressures are means over the rows befo
 oil's temperature is the measured one, second by second or two. Sensors are exact but for the flow meters' lag
 (Table 4.2).
 
-A record of a warming crane needs another plant every second, some hundred times in a fit. All that the oil
-changes is smooth in its temperature. So plants are made at multiples of `GRID`, and their numbers are
-interpolated between two of them. The viscosity, which bends the most, is then right to 2e-6.
+A record of a warming crane needs another plant every second or two, some hundred times in a fit. All that
+the oil changes is smooth in its temperature. So plants are made at multiples of `GRID`, and their numbers are
+interpolated by parabolas between three of them. The viscosity, which bends the most, is then right to 2e-6.
 """
 
 import dataclasses
@@ -15,6 +15,7 @@ from functools import lru_cache
 from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from forest_compile import flat_layout
 from forest_description.machine import Machine, load_machine
@@ -35,9 +36,10 @@ BLOCK = 1.0
 """[s] over which the oil has one temperature. Twice as long where its reading is noisy: that moves what is
 predicted by 1 % of the sensors' noise, and takes a fifth less time."""
 STEP = 1e-3  # [s] of the integrator
+ROUGH = 2.5e-3  # [s] of the integrator where only a change of the readings is asked for, half as long to make
 REST_ROWS = 200  # at most, that the mean of the start is taken over
 REDRAWN = 8  # times
-GRID = 0.1  # [K]
+GRID = 0.5  # [K]
 
 
 class Offsets(NamedTuple):
@@ -58,6 +60,7 @@ def predict(
     session: Session,
     offsets: Offsets = TRUE,
     start: Mapping[str, float] = AS_READ,
+    step: float = STEP,
 ) -> Columns:
     """Return the predicted readings, by channel.
 
@@ -66,25 +69,24 @@ def predict(
         session: whose voltages drive it, from whose start it goes on.
         offsets: of the sensors.
         start: pressures at the start [Pa], true minus read, by channel.
+        step: of the integrator [s], at most.
     """
     count, period, bench = len(session.time), session.period, session.on_rig
-    plants = _plants(machine, session, offsets.temperature)
+    firsts, plants = _plants(machine, session, offsets.temperature)
+    lengths = np.diff([*firsts, count])
+    p = _over_time(plants, lengths)
     states = np.zeros((count, len(STATE)))
-    simulation = _start(session, plants[0][2], offsets, start)
+    simulation = _start(session, _layout()[1](plants[0].tolist()), offsets, start)
     store(simulation, states[0])
-    substeps = max(1, round(period / STEP))
+    substeps = max(1, round(period / step))
     record = fastest_record()
-    around = surroundings(machine)
-    parts = []
-    for first, last, p in plants:
-        rows = slice(first + 1, min(last, count - 1) + 1)
+    for first, length, plant in zip(firsts, lengths.tolist(), plants, strict=True):
+        rows = slice(first + 1, min(first + length, count - 1) + 1)
         volts = np.repeat(session.voltages[first : rows.stop - 1], substeps, axis=0)
         if len(volts) > 0:
             steps = even(period / substeps, rows.stop - rows.start, substeps)
-            simulation = record(simulation, volts, steps, p, states[rows], None)
-        seen = slice(0 if first == 0 else first + 1, rows.stop)
-        parts.append(true_columns(states[seen], p, around, bench, bench))
-    columns = {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}
+            simulation = record(simulation, volts, steps, plant, states[rows], None)
+    columns = true_columns(states, p, surroundings(machine), bench, bench)
     meter = machine.sensors.flow_meter
     # Exact meters of the simulator (`--exact`) do not lag.
     lag = meter.time_constant if meter is not None and not session.is_exact else 0.0
@@ -95,33 +97,53 @@ def predict(
     return columns
 
 
-def _plants(machine: Machine, session: Session, offset: float) -> list[tuple[int, int, PlantParameters]]:
-    """Return (first row, row after the last, plant) of the blocks of one temperature."""
+def _plants(machine: Machine, session: Session, offset: float) -> tuple[list[int], Floats]:
+    """Return the first row of every block of one temperature, and its plant (blocks, numbers)."""
     count, warm = len(session.time), session.temperature()
     if session.on_rig or machine.oil is None or warm is None:
-        return [(0, count, plant_parameters(machine))]
+        return [0], np.array([_layout()[0](plant_parameters(machine))], dtype=np.float64)
     per_block = max(1, round((BLOCK if session.is_exact else 2.0 * BLOCK) / session.period))
     firsts = list(range(0, count, per_block))
     means = [float(np.mean(warm[first : first + per_block])) + offset for first in firsts]
-    plants = plants_at(machine, means)
-    return [(first, min(first + per_block, count), p) for first, p in zip(firsts, plants, strict=True)]
+    return firsts, plants_at(machine, means)
 
 
-def plants_at(machine: Machine, temperatures: Sequence[float]) -> list[PlantParameters]:
-    """Return the plant's parameters at several temperatures [K] of the oil, interpolated on `GRID`."""
-    places = [temperature / GRID for temperature in temperatures]
-    below = [int(np.floor(place)) for place in places]
-    made = {k: parameters_at(machine, k * GRID) for k in {*below, *(k + 1 for k in below)}}
-    pack, unpack = _layout()
-    rows = {k: np.array(pack(p), dtype=np.float64) for k, p in made.items()}
-    between = (_interpolated(rows[k], rows[k + 1], place - k) for k, place in zip(below, places, strict=True))
-    return [unpack(row.tolist()) for row in between]
+def _over_time(plants: Floats, lengths: NDArray[np.int64]) -> PlantParameters:
+    """Return a plant whose numbers are columns, a row of each for every row of a record, where they change.
+
+    Args:
+        plants: of the blocks (blocks, numbers).
+        lengths: rows of each block. A block's state at its end belongs to it: the first block has one more.
+    """
+    rows = lengths.copy()
+    rows[0] += len(rows) > 1
+    rows[-1] -= len(rows) > 1
+    same = np.all(plants == plants[0], axis=0).tolist()
+    columns = [
+        float(plants[0, k]) if still else np.repeat(plants[:, k], rows) for k, still in enumerate(same)
+    ]
+    return _layout()[1](columns)
 
 
-def _interpolated(low: Floats, high: Floats, share: float) -> Floats:
+def plants_at(machine: Machine, temperatures: Sequence[float]) -> Floats:
+    """Return the plant's numbers at several temperatures [K] of the oil (temperatures, numbers).
+
+    They are laid out flat, and interpolated on `GRID`.
+    """
+    places = np.asarray(temperatures) / GRID
+    nearest = np.round(places).astype(np.int64)
+    pack, _ = _layout()
+    made = {
+        k: np.array(pack(parameters_at(machine, k * GRID)), dtype=np.float64)
+        for k in {*nearest.tolist(), *(nearest - 1).tolist(), *(nearest + 1).tolist()}
+    }
+    low, middle, high = (np.array([made[k] for k in (nearest + d).tolist()]) for d in (-1, 0, 1))
+    x = (places - nearest)[:, np.newaxis]
     # Infinite ones, and whole numbers, stay as they are.
-    apart = np.subtract(high, low, out=np.zeros(len(low)), where=low != high)
-    return np.asarray(low + share * apart, dtype=np.float64)
+    below, above = (
+        np.subtract(side, middle, out=np.zeros_like(middle), where=side != middle) for side in (low, high)
+    )
+    return np.asarray(middle + 0.5 * x * ((above - below) + x * (above + below)))
 
 
 @lru_cache(maxsize=1)

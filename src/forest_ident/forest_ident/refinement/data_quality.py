@@ -14,11 +14,10 @@ from forest_description.machine import Machine
 from forest_ident.experiments import test_rig
 from forest_ident.measurements.session import Session, SessionError
 from forest_ident.output_error import noise_model, residual_test
-from forest_ident.output_error.fit_problem import Fit
+from forest_ident.output_error.fit_problem import FAR, Fit
 from forest_ident.output_error.residual_test import ResidualTest
 
 AGREE = 4  # records of which one alone may be a stranger
-FAR = 5.0  # times a sensor's noise: greater residuals are errors of the model
 
 
 def cut_off(session: Session) -> str:

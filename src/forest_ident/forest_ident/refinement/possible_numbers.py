@@ -1,13 +1,14 @@
 """Leave out estimates that no machine file may hold: one impossible number must not cost all others."""
 
+import dataclasses
 import math
 from collections.abc import Mapping
 
 from forest_description.config import schema
-from forest_description.config.parameter import MachineError
+from forest_description.config.parameter import MachineError, Parameter, parameter_of
 from forest_description.machine import Machine
 from forest_ident.estimators.parameter_estimate import excitation_for
-from forest_ident.measurements.parameter_path import with_values
+from forest_ident.measurements.parameter_path import part_of, with_values
 from forest_ident.refinement.result import Result, value_in
 
 
@@ -18,7 +19,8 @@ def applied(result: Result, values: Mapping[str, float]) -> Machine:
         result: whose estimates and Gaussian estimate lose what is impossible.
         values: in SI, by dotted key.
     """
-    allowed, machine = schema.parameters(Machine), result.machine
+    machine = result.machine
+    allowed = {key: _allowed(machine, key) for key in values}
     possible = {key: v for key, v in values.items() if allowed[key].low <= v <= allowed[key].high}
     for key in values.keys() - possible.keys():
         machine = _without(result, machine, key, values[key], f"outside {allowed[key].range}")
@@ -28,6 +30,15 @@ def applied(result: Result, values: Mapping[str, float]) -> Machine:
         for key, value in possible.items():
             machine = _with(result, machine, key, value)
     return machine
+
+
+def _allowed(machine: Machine, key: str) -> Parameter:
+    """Return what a number may be in the sort of component that the machine has there."""
+    section, _, name = key.rpartition(".")
+    part = part_of(machine, section)
+    fields = dataclasses.fields(part) if dataclasses.is_dataclass(part) else ()
+    own = next((parameter_of(field) for field in fields if field.name == name), None)
+    return own or schema.parameters(Machine)[key]
 
 
 def _with(result: Result, machine: Machine, key: str, value: float) -> Machine:

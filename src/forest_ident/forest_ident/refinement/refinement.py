@@ -24,7 +24,7 @@ from forest_ident.output_error import noise_model
 from forest_ident.output_error.fit_problem import EPSILON, Fit, Unknown
 from forest_ident.output_error.gaussian_estimate import GaussianEstimate, widened
 from forest_ident.output_error.output_error import Model, fit
-from forest_ident.output_error.prediction import Offsets, predict, redrawn
+from forest_ident.output_error.prediction import ROUGH, STEP, Offsets, predict, redrawn
 from forest_ident.refinement import extension_keys
 from forest_ident.refinement.refinement_task import INERTIAS, START, Task, is_parameter, task, told
 
@@ -70,15 +70,15 @@ def refine(
         measured = sample_mask.without_start(measured, session)
     corrected = calibration.corrected(session, machine)
 
-    def driven_by(inputs: Session) -> Model:
-        return lambda values: _predicted(machine, inputs, values)
+    def driven_by(inputs: Session, step: float = STEP) -> Model:
+        return lambda values: _predicted(machine, inputs, values, step)
 
     felt = told(machine, session)
     moved = [
         {key: told_value(machine, key) + EPSILON * error} if key in felt else {}
         for key, error in errors.items()
     ]
-    again = () if session.on_rig else [driven_by(one) for one in redrawn(machine, corrected)]
+    again = () if session.on_rig else [driven_by(one, ROUGH) for one in redrawn(machine, corrected)]
     done = fit(
         driven_by(corrected),
         measured,
@@ -88,6 +88,7 @@ def refine(
         prior=widened(known, noise),
         redrawn=again,
         told=moved,
+        rough=driven_by(corrected, ROUGH) if session.on_crane else None,
     )
     rounded = extension_keys.rounding(done.values)
     return work, done._replace(posterior=widened(done.posterior, rounded))
@@ -174,7 +175,9 @@ def with_inertias(machine: Machine, factors: Mapping[str, float]) -> Machine:
     return with_part(machine, "manipulator", dataclasses.replace(links, **moments)) if moments else machine
 
 
-def _predicted(machine: Machine, session: Session, values: Mapping[str, float]) -> Mapping[str, Floats]:
+def _predicted(
+    machine: Machine, session: Session, values: Mapping[str, float], step: float
+) -> Mapping[str, Floats]:
     """Return what the machine with these values would have read."""
     own = {key: value for key, value in values.items() if is_parameter(key)}
     factors = {name.partition(".")[0]: values[name] for name in INERTIAS if name in values}
@@ -187,4 +190,4 @@ def _predicted(machine: Machine, session: Session, values: Mapping[str, float]) 
         model = with_values(model, {key: value_of(model, key) + values["tilt"]})
     offsets = Offsets(*(values.get(name, 0.0) for name in (*ANGLES, "oil.offset")))
     start = {key.split(".")[1]: value for key, value in values.items() if key.startswith(START)}
-    return predict(model, session, offsets, start=start)
+    return predict(model, session, offsets, start, step)

@@ -11,7 +11,10 @@ from xml.etree.ElementTree import Element, SubElement
 
 from forest_msgs_py.interfaces.topics import TOPICS
 
-NODES = ("joystick", "controller", "valve_driver", "simulator", "recorder", "cycle", "twist", "viewer")
+NODES = (
+    *("joystick", "controller", "valve_driver", "simulator", "recorder"),
+    *("cycle", "twist", "monitor", "viewer"),
+)
 PARAMETER_EVENTS = "parameter_events"  # of every node of rclpy
 STOPS = "emergency_stop", "reset_emergency_stop"  # services without a node's name: the controller's
 

@@ -75,6 +75,7 @@ _SIMULATOR, _CONTROLLER, _DRIVER = "simulator", "controller", "valve_driver"
 _JOYSTICK, _VIEWER, _NOBODY = "joystick", "viewer", ()
 _LIVE_SIMULATOR = "simulator (live)"  # these are in no lockstep
 _CYCLE, _TWIST, _PROGRAM = "cycle (live)", "twist (live)", "a program (live)"
+_MONITOR = "monitor (live)"
 _RATE = SENSOR_RATE_HZ
 
 # fmt: off
@@ -86,30 +87,30 @@ JOY = Topic(
 JOINT_STATES = Topic(
     name="joint_states", type=JOINT_STATE, labels=JOINTS, units=("rad, rad/s, N·m",) * 3, rate_hz=_RATE,
     doc="Joints as a machine can know them: sampled angle, causal speed estimate, torque from pressures.",
-    publishers=(_SIMULATOR,), subscribers=(_CONTROLLER,), sensed=True,
+    publishers=(_SIMULATOR,), subscribers=(_CONTROLLER, _MONITOR), sensed=True,
 )
 ACTUATOR_STATES = Topic(
     name="actuator_states", type=JOINT_STATE, labels=ACTUATORS,
     units=("rad, rad/s, N·m", "m, m/s, N", "m, m/s, N"), rate_hz=_RATE,
     doc="Swing motor and cylinders as a machine can know them.",
-    publishers=(_SIMULATOR,), subscribers=(_CONTROLLER, _DRIVER), sensed=True,
+    publishers=(_SIMULATOR,), subscribers=(_CONTROLLER, _DRIVER, _MONITOR), sensed=True,
 )
 PRESSURES = Topic(
     name="hydraulics/pressures", type=FLOAT_ARRAY, labels=_PRESSURE_LABELS, units=("Pa",) * 12, rate_hz=_RATE,
     doc="Gauge pressure by axis, port and place: the twelve transducers of the thesis.",
-    publishers=(_SIMULATOR,), subscribers=(_CONTROLLER, _DRIVER), sensed=True,
+    publishers=(_SIMULATOR,), subscribers=(_CONTROLLER, _DRIVER, _MONITOR), sensed=True,
 )
 FLOWS = Topic(
     name="hydraulics/flows", type=FLOAT_ARRAY, labels=("swing_1", "stick_1"),
     units=("m³/s",) * 2, rate_hz=_RATE,
     doc="Flow into port 1, where a meter is (Table 4.2).",
-    publishers=(_SIMULATOR,), subscribers=_NOBODY, sensed=True,
+    publishers=(_SIMULATOR,), subscribers=(_MONITOR,), sensed=True,
 )
 SUPPLY = Topic(
     name="hydraulics/supply", type=FLOAT_ARRAY, labels=("pressure", "flow", "saturation"),
     units=("Pa", "m³/s", "1"), rate_hz=_RATE,
     doc="Pump: pressure, flow, and the part of its flow limit in use (1 is saturated; the ideal pump: 0).",
-    publishers=(_SIMULATOR,), subscribers=(_DRIVER,), sensed=True,
+    publishers=(_SIMULATOR,), subscribers=(_DRIVER, _MONITOR), sensed=True,
 )
 AUXILIARY = Topic(
     name="hydraulics/auxiliary", type=FLOAT_ARRAY,
@@ -122,7 +123,7 @@ AUXILIARY = Topic(
     units=("V", "V", "V", "m³/s", "K", "K", "K", "rad/s", "rad", "rad", "1", "1", "1", "1"), rate_hz=_RATE,
     doc="Spools as the voltage that holds them, case drain, oil temperatures, engine, tilt; counts "
     "since start.",
-    publishers=(_SIMULATOR,), subscribers=_NOBODY, sensed=True,
+    publishers=(_SIMULATOR,), subscribers=(_MONITOR,), sensed=True,
 )
 VALVE_COMMANDS = Topic(
     name="valve_commands", type=FLOAT_ARRAY, labels=JOINTS, units=("V",) * 3, rate_hz=_RATE,
@@ -132,7 +133,7 @@ VALVE_COMMANDS = Topic(
 VALVE_VOLTAGES = Topic(
     name="valve_voltages", type=FLOAT_ARRAY, labels=JOINTS, units=("V",) * 3, rate_hz=_RATE,
     doc="Voltage at the valve amplifier, with the deadband divided out.",
-    publishers=(_DRIVER,), subscribers=(_SIMULATOR, _CONTROLLER),
+    publishers=(_DRIVER,), subscribers=(_SIMULATOR, _CONTROLLER, _MONITOR),
 )
 VALVE_DRIVER_STATUS = Topic(
     name="valve_driver/status", type=FLOAT_ARRAY,
@@ -143,7 +144,7 @@ VALVE_DRIVER_STATUS = Topic(
     ),
     units=("1",) * 3 + ("V", "V", "1", "1") * 6, rate_hz=10.0,
     doc="1 where a valve cannot open as commanded; deadband and gain (1: the file's) as known, with spread.",
-    publishers=(_DRIVER,), subscribers=(_CONTROLLER,), late=True,
+    publishers=(_DRIVER,), subscribers=(_CONTROLLER, _MONITOR), late=True,
 )
 TIP_POSE = Topic(
     name="tip/pose", type=POSE, labels=_POSE, units=_POSE_UNITS, rate_hz=_RATE,
@@ -304,7 +305,7 @@ EVENTS = Topic(
 DIAGNOSTICS = Topic(
     name="/diagnostics", type="diagnostic_msgs/msg/DiagnosticArray", labels=(), units=(), rate_hz=1.0,
     doc="Health of the nodes' inputs, of hardware and others where somebody tells it.",
-    publishers=(_CONTROLLER, _DRIVER, _SIMULATOR, _CYCLE), subscribers=_NOBODY,
+    publishers=(_CONTROLLER, _DRIVER, _SIMULATOR, _CYCLE, _MONITOR), subscribers=_NOBODY,
 )
 CLOCK = Topic(
     name="/clock", type="rosgraph_msgs/msg/Clock", labels=("time",), units=("s",), rate_hz=_RATE,

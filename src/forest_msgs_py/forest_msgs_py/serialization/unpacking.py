@@ -88,7 +88,7 @@ class ArrayReader:
         return self._judge(data, now_ns)
 
     def _judge(self, data: bytes, now_ns: int) -> Reading:
-        message = _decoded(data, self._class)
+        message = decoded(data, self._class)
         if message is None:
             return Reading(now_ns, (), f"{self._topic.name}: {_UNREADABLE % self._topic.type}")
         reading = read_float_array(self._topic, message, now_ns, self._labels)
@@ -129,7 +129,7 @@ class JointReader:
         return self._judge(data)
 
     def _judge(self, data: bytes) -> Reading:
-        message = _decoded(data, _JOINT_STATE)
+        message = decoded(data, _JOINT_STATE)
         if message is None:
             return Reading(0, JointValues(), f"joint state: {_UNREADABLE % topics.JOINT_STATE}")
         reading = read_joint_state(self._names, message)
@@ -167,7 +167,7 @@ def read_joy_data(data: bytes, min_axes: int = 4, min_buttons: int = 1) -> tuple
     try:
         return _joy(data, min_axes, min_buttons)
     except (struct.error, UnicodeDecodeError):
-        message = _decoded(data, _JOY)
+        message = decoded(data, _JOY)
     if message is None:
         return Reading(0, JoyValues(), f"joy: {_UNREADABLE % topics.JOY_TYPE}"), ""
     return read_joy(message, min_axes, min_buttons), message.header.frame_id
@@ -187,7 +187,7 @@ def _joy(data: bytes, min_axes: int, min_buttons: int) -> tuple[Reading, str]:
     return judged_joy(_header_stamp(data), values, min_axes, min_buttons), frame
 
 
-def _decoded(data: bytes, kind: Any) -> Any:
+def decoded(data: bytes, kind: Any) -> Any:
     """The message, or None if the bytes are none: a loop must go on whatever arrives."""
     try:
         return deserialize_message(data, kind)

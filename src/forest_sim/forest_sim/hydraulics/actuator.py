@@ -113,6 +113,28 @@ def motor(drive: SwingDrive, line_1: Line, line_2: Line) -> Actuator:
     return _actuator(d, d, g_i, g_e, drive.damping, line_1, line_2, drive.flow_regime == "laminar")
 
 
+def leaking(a: Actuator, internal: float, external: float) -> Actuator:
+    """Return an actuator with more leakage, worn: conductances [m^3/(s Pa)] added to its own.
+
+    Args:
+        a: cylinder or motor.
+        internal: past piston or rotor, from port to port.
+        external: of each port, to the case drain or past the rod's seal.
+    """
+    laminar = a.laminar_drop_1 > 0.0 or a.laminar_drop_2 > 0.0
+    drops = (a.laminar_drop_1, a.laminar_drop_2) if laminar else (a.turbulent_drop_1, a.turbulent_drop_2)
+    return _actuator(
+        a.own_displacement_1,
+        a.own_displacement_2,
+        a.internal_leakage + internal,
+        a.external_leakage + external,
+        a.damping,
+        Line(drops[0], 0.0, 0.0),
+        Line(drops[1], 0.0, 0.0),
+        laminar,
+    )
+
+
 def _actuator(
     d_1: float,
     d_2: float,

@@ -24,7 +24,7 @@ from forest_sim.solver.step_schedule import StepSchedule, schedule_of
 
 Advance = Callable[[Simulation, Vec3, float, int, PlantParameters], Simulation]
 Record = Callable[
-    [Simulation, Floats, StepSchedule | float, PlantParameters, Floats, Floats | None], Simulation
+    [Simulation, Floats, StepSchedule | float, PlantParameters | Floats, Floats, Floats | None], Simulation
 ]
 DOUBLE = ctypes.sizeof(ctypes.c_double)
 NOTHING, STATES, ENERGIES = 0, 1, 2
@@ -45,16 +45,17 @@ class FlatPlant:
         self._state_at = self.state.ctypes.data
         self._held = (ctypes.c_double * 5)()  # three voltages, length and count of the steps
         self._held_at = ctypes.addressof(self._held)
-        self._parameters: PlantParameters | None = None
+        self._parameters: PlantParameters | Floats | None = None
 
     def lay_out(self, simulation: Simulation) -> None:
         """Take over a machine's state."""
         store(simulation, self.state)
 
-    def set_parameters(self, p: PlantParameters) -> None:
-        """Take over a machine's parameters; they seldom change."""
+    def set_parameters(self, p: PlantParameters | Floats) -> None:
+        """Take over a machine's parameters, which seldom change; a row of them lies flat already."""
         if self._parameters is not p:
-            self._parameters, self._row = p, np.array(_packer()(p), dtype=np.float64)
+            row = p if isinstance(p, np.ndarray) else _packer()(p)
+            self._parameters, self._row = p, np.array(row, dtype=np.float64)
             self._row_at = self._row.ctypes.data
 
     def advance(self, voltages: Vec3, h: float, count: int) -> None:
@@ -90,7 +91,7 @@ class _LastCall(threading.local):
         self._result: Simulation | None = None
 
     def moved(
-        self, simulation: Simulation, p: PlantParameters, move: Callable[[FlatPlant], None]
+        self, simulation: Simulation, p: PlantParameters | Floats, move: Callable[[FlatPlant], None]
     ) -> Simulation:
         """Return what a call moves a machine to."""
         self._flat.set_parameters(p)
@@ -106,6 +107,12 @@ class _LastCall(threading.local):
 def _packer() -> Callable[[PlantParameters], flat_layout.Row]:
     """Return what lays parameters out flat; all machines' are of one shape."""
     return flat_layout.packer(example()[1])
+
+
+@lru_cache(maxsize=1)
+def _unpacker() -> Callable[[flat_layout.Row], PlantParameters]:
+    """Return what makes parameters of a flat row."""
+    return flat_layout.unpacker(example()[1])
 
 
 @lru_cache(maxsize=1)
@@ -141,7 +148,7 @@ def compiled_record() -> Record:
         simulation: Simulation,
         voltages: Floats,
         schedule: StepSchedule | float,
-        p: PlantParameters,
+        p: PlantParameters | Floats,
         states: Floats,
         energies: Floats | None,
     ) -> Simulation:
@@ -156,5 +163,20 @@ def ready_advance() -> Advance | None:
 
 
 def fastest_record() -> Record:
-    """Return `state_recording.record`, compiled where llvmlite is installed: some hundred times faster."""
-    return compiled_record() if can_compile() else state_recording.record
+    """Return `state_recording.record`, compiled where llvmlite is installed: some hundred times faster.
+
+    Parameters may come as a row that `flat_layout` lays out.
+    """
+    return compiled_record() if can_compile() else _interpreted_record
+
+
+def _interpreted_record(
+    simulation: Simulation,
+    voltages: Floats,
+    schedule: StepSchedule | float,
+    p: PlantParameters | Floats,
+    states: Floats,
+    energies: Floats | None,
+) -> Simulation:
+    plant = _unpacker()(p.tolist()) if isinstance(p, np.ndarray) else p
+    return state_recording.record(simulation, voltages, schedule, plant, states, energies)

@@ -109,10 +109,30 @@ def period(
         normals: draws from the standard normal distribution, `CHANNEL_COUNT` for each period.
         row: number of the period, from 0.
     """
-    plant, first = loop.simulation.plant, CHANNEL_COUNT * row
-    angles = plant.swing.angle, plant.boom.angle, plant.stick.angle
+    sensors, seen = sensed(loop, k, normals, row)
+    return moved(loop, sensors, seen, levers, held, spoken, k, row)
+
+
+def sensed(loop: Loop, k: Knowledge, normals: Sequence[float], row: int) -> tuple[SensorState, Measurement]:
+    """Return the sensors after a period's sample, and what they say; arguments as of `period`."""
+    first = CHANNEL_COUNT * row
     drawn = tuple([normals[first + i] for i in range(CHANNEL_COUNT)])
-    sensors, seen = sampled(loop.sensors, loop.simulation, drawn, k.sensors, PERIOD)
+    return sampled(loop.sensors, loop.simulation, drawn, k.sensors, PERIOD)
+
+
+def moved(
+    loop: Loop,
+    sensors: SensorState,
+    seen: Measurement,
+    levers: Levers,
+    held: bool,
+    spoken: bool,
+    k: Knowledge,
+    row: int,
+) -> tuple[Loop, Happened]:
+    """Return the loop a period later, and what happened, once the sensors have been read by `sensed`."""
+    plant = loop.simulation.plant
+    angles = plant.swing.angle, plant.boom.angle, plant.stick.angle
     control, velocity = guarded(loop, levers, held, spoken, seen, k, row)
     pressures, motion = driver_inputs(seen, k.drive.idle_pressure)
     drive, volts = valve_driver.step(loop.drive, control.command, pressures, motion, k.drive, PERIOD)

@@ -15,6 +15,8 @@ from forest_control.valve import valve_driver_parameters
 from forest_description.machine import Machine, load_machine
 from forest_msgs_py.runtime.parameter_table import Parameter
 from forest_study.closed_loop import model_mismatch
+from forest_study.diagnosis.faults import CASES, HEALTH
+from forest_study.diagnosis.figures import diagnosed
 from forest_study.latency import placing
 from forest_study.log_work import crane, measures, person, site, trial
 from forest_study.sweep.changes import changed_machine, changed_settings
@@ -44,6 +46,14 @@ class PlacingKeys(NamedTuple):
 
     machine: Annotated[str, Parameter("shipped machine, unknown:SEED, or a file")] = "c180"
     trip: Annotated[float, Parameter("of the link, there and back", "s", 0.0, 1.0)] = 0.0
+
+
+class DiagnosisKeys(NamedTuple):
+    """Everyday work with the monitor beside it, and a fault in its second half."""
+
+    machine: Annotated[str, Parameter("believed: shipped machine, unknown:SEED, or a file")] = "c180_hoses"
+    case: Annotated[str, Parameter("what goes wrong, and how much", choices=CASES)] = HEALTH
+    minutes: Annotated[float, Parameter("of work", "min", 2.0, 600.0)] = 10.0
 
 
 class LogsKeys(NamedTuple):
@@ -113,6 +123,16 @@ def placed(case: Case, seed: int) -> Figures:
     return {name: float(value) for name, value in found._asdict().items()}
 
 
+def watched(case: Case, seed: int) -> Figures:
+    """Return what the monitor found: `diagnosis.figures`.
+
+    Raises:
+        MachineError: the machine cannot be.
+    """
+    keys = DiagnosisKeys(**_own(case))
+    return diagnosed(_machine(keys.machine, case, ("machine",)), keys.case, seed, 60.0 * keys.minutes)
+
+
 def _own(case: Case) -> dict[str, Any]:
     return {key: value for key, value in case.items() if "." not in key}
 
@@ -174,6 +194,15 @@ def require_placing(case: Case) -> None:
     _machine(PlacingKeys(**_own(case)).machine, case, ("machine",))
 
 
+def require_diagnosis(case: Case) -> None:
+    """Raise unless the machine can be what a case says.
+
+    Raises:
+        MachineError: it cannot.
+    """
+    _machine(DiagnosisKeys(**_own(case)).machine, case, ("machine",))
+
+
 def require_logs(case: Case) -> None:
     """Raise unless machine and operator can be what a case says.
 
@@ -189,5 +218,6 @@ def require_logs(case: Case) -> None:
 KINDS: dict[str, Kind] = {
     "track": Kind(TrackKeys, tracked, ("machine", "plant", "control", "drive"), require_track),
     "placing": Kind(PlacingKeys, placed, ("machine",), require_placing),
+    "diagnosis": Kind(DiagnosisKeys, watched, ("machine",), require_diagnosis, batch=5),
     "logs": Kind(LogsKeys, logged, ("machine", "operator"), require_logs, batch=1),
 }
