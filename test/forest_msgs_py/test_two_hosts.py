@@ -81,6 +81,12 @@ def test_a_network_that_cannot_be_had_is_told_in_one_sentence(text, words, netwo
     assert "FASTRTPS_DEFAULT_PROFILES_FILE" not in os.environ
 
 
+def test_what_differs_between_hosts_stands_once_in_the_profile_of_one_host():
+    text = environment.LOOPBACK_PROFILE.read_text("utf-8")
+    for local, _ in ((environment.LOOPBACK, ""), *environment.NETWORK_TIMES):
+        assert text.count(local) == 1, local
+
+
 @pytest.mark.parametrize(("module", "code"), [("talker", 2), ("forest_bringup.graph", 1)])
 def test_no_program_starts_in_a_network_that_cannot_be_had(module, code, network, domain_id, start_process):
     network("127.0.0.1")
