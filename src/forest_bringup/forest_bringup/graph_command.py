@@ -31,14 +31,11 @@ def run_command(
         may_publish: the supervisor may publish zero voltage; it does so where it starts the valve driver.
         options: further ones of `Supervisor`.
     """
-    names = [node.name for node in nodes]
-    if strange := [name for name in only if name not in names]:
-        allowed = ", ".join(names)
-        print(
-            f"{program}: --only {strange[0]!r} is no node of this graph; allowed: {allowed}", file=sys.stderr
-        )
+    try:
+        here = part_of(nodes, only)
+    except GraphError as error:
+        print(f"{program}: {error}", file=sys.stderr)
         return 2
-    here = [node for node in nodes if not only or node.name in only]
     # A part without the driver has its zero from the driver, which hears of no command any more.
     may_publish = may_publish and (not only or "valve_driver" in only)
     logs = Path(tempfile.mkdtemp(prefix=f"forest-{program}-"))
@@ -52,3 +49,15 @@ def run_command(
         print(f"{program}: {error}", file=sys.stderr)
         return 1
     return int(any(graph.exit_codes.values()))
+
+
+def part_of(nodes: Sequence[NodeSpec], only: Sequence[str]) -> list[NodeSpec]:
+    """Return the nodes of some names, or all where none is named.
+
+    Raises:
+        GraphError: a name is no node's.
+    """
+    names = [node.name for node in nodes]
+    if strange := [name for name in only if name not in names]:
+        raise GraphError(f"--only {strange[0]!r} is no node of this graph; allowed: {', '.join(names)}")
+    return [node for node in nodes if not only or node.name in only]

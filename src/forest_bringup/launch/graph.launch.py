@@ -13,13 +13,14 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from forest_bringup.graph import graph_nodes, parse_options
+from forest_bringup.graph_command import part_of
 from forest_bringup.launch_description import launch_description
 from forest_bringup.supervisor import NodeSpec
 
 if TYPE_CHECKING:
     from launch import LaunchDescription
 
-VALUES = ("machine", "scheme", "namespace", "profile", "joystick", "cycles", "foxglove", "record")
+VALUES = ("machine", "scheme", "namespace", "profile", "joystick", "cycles", "foxglove", "record", "only")
 FLAGS = ("no_simulator", "shadow", "viewer", "twist", "monitor")
 
 
@@ -30,4 +31,4 @@ def generate_launch_description() -> LaunchDescription:
 
 def _nodes(words: Sequence[str]) -> tuple[str, list[NodeSpec]]:
     options = parse_options(words)
-    return options.namespace, graph_nodes(options)
+    return options.namespace, part_of(graph_nodes(options), options.only)

@@ -12,6 +12,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
+from forest_bringup.graph_command import part_of
 from forest_bringup.launch_description import launch_description
 from forest_bringup.supervisor import NodeSpec
 from forest_station.station import parse_options, station_nodes
@@ -19,7 +20,19 @@ from forest_station.station import parse_options, station_nodes
 if TYPE_CHECKING:
     from launch import LaunchDescription
 
-VALUES = ("machine", "scheme", "namespace", "profile", "host", "port", "bags", "cycles", "certificate", "key")
+VALUES = (
+    "machine",
+    "scheme",
+    "namespace",
+    "profile",
+    "host",
+    "port",
+    "bags",
+    "cycles",
+    "certificate",
+    "key",
+    "only",
+)
 FLAGS = ("join",)
 
 
@@ -30,4 +43,4 @@ def generate_launch_description() -> LaunchDescription:
 
 def _nodes(words: Sequence[str]) -> tuple[str, list[NodeSpec]]:
     options = parse_options(words)
-    return options.namespace, station_nodes(options)
+    return options.namespace, part_of(station_nodes(options), options.only)

@@ -82,9 +82,9 @@ def watched(before: Sinking, u: Vec3, rates: Vec3, voltages: Vec3, p: Parameters
         _owed(before, u, gone, voltages, 2, p, dt),
     )
     since = (
-        _later(before, owed, 0, dt),
-        _later(before, owed, 1, dt),
-        _later(before, owed, 2, dt),
+        _later(before, owed, 0, p, dt),
+        _later(before, owed, 1, p, dt),
+        _later(before, owed, 2, p, dt),
     )
     way_1, time_1 = _gone_back(before, rates, voltages, 0, p, dt)
     way_2, time_2 = _gone_back(before, rates, voltages, 1, p, dt)
@@ -99,9 +99,12 @@ def _owed(before: Sinking, u: Vec3, gone: Vec3, voltages: Vec3, i: int, p: Param
     return max(0.0, before.owed[i] + (abs(u[i]) - abs(gone[i]) / ANSWERS) * dt)
 
 
-def _later(before: Sinking, owed: Vec3, i: int, dt: float) -> float:
-    """Return how long one joint has owed something [s]."""
-    return before.since[i] + dt if owed[i] > 0.0 else 0.0
+def _later(before: Sinking, owed: Vec3, i: int, p: Parameters, dt: float) -> float:
+    """Return how long one joint has owed something [s], from below zero for its spool's lag."""
+    if owed[i] <= 0.0:
+        return 0.0
+    begun = before.since[i] if before.owed[i] > 0.0 else -LAGS * p.speed_limits.axes[i].spool.lag
+    return begun + dt
 
 
 def _gone_back(
