@@ -236,6 +236,8 @@ def test_a_joint_that_stands_behind_an_open_valve_is_named(joint, name, side):
 
     wide, u = of(side * 4.0), of(side * 0.1)
     assert not is_overloaded(gone(ZERO, wide, 0.295, u))
+    assert not is_overloaded(gone(ZERO, wide, 0.295, of(side * 0.5)))  # a full lever: it may still begin
+    assert is_overloaded(gone(ZERO, wide, 0.34, of(side * 0.5)))
     assert objection(gone(ZERO, wide, 0.34, u)).startswith(f"overload: {name} stands though its valve")
     assert is_overloaded(gone(of(side * 0.005), wide, 1.0, u))  # a twentieth of its rate
     assert not is_overloaded(gone(of(side * 0.02), wide, 9.0, u))  # it is slow
