@@ -8,8 +8,9 @@ export OMP_NUM_THREADS=1                       # threads of BLAS only disturb th
 cd "$root"
 if [[ $# -eq 0 ]]; then
     alone=test/forest_station/live # judged in tenths of a second, beside a browser: after the rest
-    "$venv/bin/python" -m pytest -p xdist --numprocesses auto --maxprocesses 8 --dist loadfile \
+    repeats=(-p rerunfailures -rR) # live tests, and the summary names them
+    "$venv/bin/python" -m pytest -p xdist "${repeats[@]}" --numprocesses auto --maxprocesses 8 --dist loadfile \
         --no-loadscope-reorder --ignore="$alone"
-    set -- "$alone"
+    set -- "${repeats[@]}" "$alone"
 fi
 exec "$venv/bin/python" -m pytest "$@"

@@ -29,6 +29,7 @@ with warnings.catch_warnings(), contextlib.suppress(ImportError):
     importlib.import_module("rosidl_generator_py")
 
 DOMAINS = range(80, 102)
+REPETITIONS = 2  # at most, of a live test that fails
 MET_S = 30.0  # at which a test fails rather than hangs; on a busy machine a node alone takes seconds to start
 
 # Before the first participant of this process: the middleware reads them once.
@@ -37,17 +38,24 @@ os.environ["PYTHONFAULTHANDLER"] = "1"
 os.environ["FASTRTPS_DEFAULT_PROFILES_FILE"] = str(Path(forest_msgs_py.__file__).with_name("loopback.xml"))
 
 
-def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Run the files that start most processes first, and the longest of the others next.
+def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
+    """Run the files with most live tests first, and the longest of the others next.
 
-    A file runs in one worker: the last one to begin should be short.
+    A file runs in one worker: the last one to begin should be short. In the whole suite two workers share the
+    computer, and a live crane from which it is taken for 0.1 s stops, as it should: such a test is repeated.
+    The summary names every repetition; a part of the suite repeats nothing.
     """
-    starts = Counter(item.path for item in items if {"domain_id", "session_domain_id"} & _fixtures(item))
+    live = [item for item in items if _is_live(item)]
+    starts = Counter(item.path for item in live)
     items.sort(key=lambda item: (starts[item.path], str(item.path)), reverse=True)
+    if config.pluginmanager.has_plugin("rerunfailures"):
+        for item in live:
+            item.add_marker(pytest.mark.flaky(reruns=REPETITIONS))
 
 
-def _fixtures(item: pytest.Item) -> set[str]:
-    return set(getattr(item, "fixturenames", ()))
+def _is_live(item: pytest.Item) -> bool:
+    """Whether nodes run in it, which keep time with the computer's clock."""
+    return bool({"domain_id", "session_domain_id"} & set(getattr(item, "fixturenames", ())))
 
 
 _domains = itertools.cycle(random.Random(os.getpid()).sample(DOMAINS, len(DOMAINS)))
