@@ -38,19 +38,20 @@ os.environ["PYTHONFAULTHANDLER"] = "1"
 os.environ["FASTRTPS_DEFAULT_PROFILES_FILE"] = str(Path(forest_msgs_py.__file__).with_name("loopback.xml"))
 
 
+@pytest.hookimpl(tryfirst=True)
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
-    """Run the files with most live tests first, and the longest of the others next.
+    """Mark the live tests, and run the files with most of them first.
 
-    A file runs in one worker: the last one to begin should be short. In the whole suite two workers share the
-    computer, and a live crane from which it is taken for 0.1 s stops, as it should: such a test is repeated.
-    The summary names every repetition; a part of the suite repeats nothing.
+    A file runs in one worker: the last one to begin should be short. On a shared computer a live crane from
+    which it is taken for 0.1 s stops, as it should: in the whole suite such a test is repeated, and named.
     """
     live = [item for item in items if _is_live(item)]
+    for item in live:
+        item.add_marker("live")
+        if config.pluginmanager.has_plugin("rerunfailures"):
+            item.add_marker(pytest.mark.flaky(reruns=REPETITIONS))
     starts = Counter(item.path for item in live)
     items.sort(key=lambda item: (starts[item.path], str(item.path)), reverse=True)
-    if config.pluginmanager.has_plugin("rerunfailures"):
-        for item in live:
-            item.add_marker(pytest.mark.flaky(reruns=REPETITIONS))
 
 
 def _is_live(item: pytest.Item) -> bool:

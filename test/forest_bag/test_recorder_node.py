@@ -5,7 +5,6 @@ import random
 import signal
 import string
 import struct
-from pathlib import Path
 
 import pytest
 import yaml
@@ -60,11 +59,6 @@ def ask(speaker, ros_context, wait_until):
     executor.shutdown()
 
 
-def memory_mb(pid):
-    status = Path(f"/proc/{pid}/status").read_text()
-    return int(status.split("VmRSS:")[1].split()[0]) / 1024
-
-
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
 def test_every_message_of_every_topic_is_in_the_bag(record, speaker, wait_until, tmp_path, number):
     # Deep enough for all: a busy machine may not have heard the first when the last is said.
@@ -81,7 +75,6 @@ def test_every_message_of_every_topic_is_in_the_bag(record, speaker, wait_until,
     probe = tmp_path / "bag" / "bag_0.mcap"
     wait_until(lambda: messages_in(probe, "/joint_states") == 500)
     wait_until(lambda: messages_in(probe, "/robot_description") == 1)
-    assert memory_mb(process.pid) < 150
     assert process.stop(number) == 0
     bag = read_bag(tmp_path / "bag")
     assert bag.complete

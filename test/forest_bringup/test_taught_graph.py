@@ -1,7 +1,6 @@
 """Programs beside the live graph: they teach, and they move the tip while a person holds the deadman."""
 
 import contextlib
-import itertools
 import math
 import subprocess
 import sys
@@ -17,7 +16,6 @@ from peer import Peer
 from trajectory_msgs.msg import JointTrajectoryPoint
 
 from forest_control.cli.main import main
-from forest_control.operator.levers import BUTTON_COUNT, LEFT_SHOULDER, REST, axes_from_levers
 from forest_control.taught.cycle_file import load_cycle
 from forest_description.derived.limits import pose_at, start_tip
 from forest_description.geometry.kinematics import tip_position
@@ -29,6 +27,7 @@ from forest_msgs_py.interfaces.messages import read_float_array
 PAGES = Path(__file__).resolve().parents[2] / "docs" / "how-to"
 TEACHING, DRIVING = PAGES / "teach-a-cycle.md", PAGES / "drive-from-a-program.md"
 STARTED_S = 90.0  # at which the test fails rather than hangs; on a busy machine a graph starts slowly
+HELD_S = 600.0  # longer than the test
 CRANE = load_machine("c180_hoses")  # c180 ends as far from a place as its swing's gear has play
 
 
@@ -54,12 +53,13 @@ def program(text):
             process.kill()
 
 
-def held_joystick(beat):
-    """A hand that holds the deadman and lets the sticks alone; nothing of it is quite still."""
-    axes = list(axes_from_levers(REST))
-    axes[topics.JOY_AXES.index("right_x")] = 1e-3 * (next(beat) % 2)
-    buttons = [int(k == LEFT_SHOULDER) for k in range(BUTTON_COUNT)]
-    return topics.message_class(topics.JOY)(axes=axes, buttons=buttons)
+@pytest.fixture
+def held_joystick(tmp_path):
+    """A hand, in a process of its own, that holds the deadman and lets the levers all but alone."""
+    levers = tmp_path / "held.csv"
+    rows = (f"{0.5 * row},0,0,{1e-3 * (row % 2)}" for row in range(int(2 * HELD_S)))
+    levers.write_text("\n".join(("time_s,swing,boom,stick", *rows)))
+    return levers
 
 
 def trajectory(angles, seconds):
@@ -75,12 +75,12 @@ def is_armed(status):
     return read_float_array(topics.CONTROLLER_STATUS, status, 0, ("armed",)).values == (1.0,)
 
 
-def test_programs_teach_and_move_the_tip(start_graph, peer, wait_until, tmp_path, capsys):
-    graph = start_graph("--machine", CRANE.name, "--cycles", str(tmp_path), "--twist")
+def test_programs_teach_and_move_the_tip(start_graph, held_joystick, peer, wait_until, tmp_path, capsys):
+    options = ("--cycles", str(tmp_path), "--twist", "--joystick", str(held_joystick))
+    graph = start_graph("--machine", CRANE.name, *options)
     _teach(wait_until, tmp_path, capsys)
     tips, twists = peer.hear(topics.TIP_POSE), peer.hear(topics.TIP_TWIST)
-    statuses, beat = peer.hear(topics.CONTROLLER_STATUS), itertools.count()
-    peer.repeat(topics.JOY, lambda _now: held_joystick(beat))
+    statuses = peer.hear(topics.CONTROLLER_STATUS)
     peer.until(lambda: statuses and is_armed(statuses[-1]))
     velocity, joint_trajectory = programs(DRIVING)
     with program(velocity):

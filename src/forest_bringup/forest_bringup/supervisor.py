@@ -7,7 +7,7 @@ What it promises:
   node and the reason. The supervisor publishes that zero itself, since the driver may be the node that died.
 - A node that is not needed (the recorder) ends: a warning says so, and the graph goes on.
 - Nodes are stopped from the operator towards the recorder, so that a bag ends with a machine at rest.
-- No orphans: a stopped node has 5 s before SIGKILL, and nodes end with their parent, even one that is killed.
+- No orphans: a stopped node has 5 s before it is killed, and nodes end with their parent, even a killed one.
 """
 
 import contextlib
@@ -29,7 +29,8 @@ if TYPE_CHECKING:
 
 STOP_SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP, signal.SIGQUIT)
 POLL = 0.01  # [s]
-GRACE = 5.0  # [s] between SIGTERM and SIGKILL
+GRACE = 5.0  # [s] between SIGTERM and SIGABRT
+LAST_REPORT = 0.5  # [s] between SIGABRT and SIGKILL, in which a node says where it hangs
 DISCOVERY = 0.6  # [s] in which another graph in the domain can show itself before ours starts
 LOOK_PERIOD = 1.0  # [s] between later looks
 COMMANDING = ("joystick", "station", "experiment_operator", "controller", "valve_driver")
@@ -306,17 +307,30 @@ class Supervisor:
 def _exit_report(process: _Process, code: int) -> str:
     """Which node ended, how, and what it said last."""
     reason = f"was killed by {signal.Signals(-code).name}" if code < 0 else f"ended with exit code {code}"
+    if code in (-signal.SIGABRT, -signal.SIGSEGV):
+        return f"{process.spec.name} {reason}; where it was is at the end of {process.log}"
     log = process.log.read_text(encoding="utf-8", errors="replace").strip().splitlines()
     last = [line for line in log if "[INFO]" not in line][-1:]
     return f"{process.spec.name} {reason}" + (f": {last[0].strip()}" if last else "")
 
 
 def _wait_or_kill(popen: "subprocess.Popen[bytes]") -> bool:
-    """Wait for a process that was told to stop; False if it hung and had to be killed."""
-    try:
-        popen.wait(GRACE)
-    except subprocess.TimeoutExpired:
+    """Wait for a process that was told to stop; False if it hung and had to be killed.
+
+    SIGABRT before SIGKILL: a node's log then ends with where each of its threads hung.
+    """
+    if _ends_within(popen, GRACE):
+        return True
+    popen.send_signal(signal.SIGABRT)
+    if not _ends_within(popen, LAST_REPORT):
         popen.kill()
         popen.wait()
+    return False
+
+
+def _ends_within(popen: "subprocess.Popen[bytes]", seconds: float) -> bool:
+    try:
+        popen.wait(seconds)
+    except subprocess.TimeoutExpired:
         return False
     return True

@@ -13,6 +13,8 @@ from rclpy.executors import SingleThreadedExecutor
 from forest_msgs_py.interfaces import messages, topics
 from forest_msgs_py.runtime import environment, node
 
+HELPERS = Path(__file__).resolve().parents[2] / "helpers"
+
 
 @pytest.fixture
 def talker(domain_id, start_process):
@@ -45,6 +47,15 @@ def test_repeated_signals_do_not_interrupt_the_last_words(talker, wait_until):
     assert process.stop() == 0
     assert process.text().count("last words") == 1
     assert "Traceback" not in process.text()
+
+
+def test_a_node_that_is_aborted_tells_where_it_was(domain_id, start_process, wait_until):
+    variables = {**os.environ, "PYTHONPATH": str(HELPERS)}
+    del variables["PYTHONFAULTHANDLER"]
+    process = start_process(["-m", "talker"], env=variables)
+    wait_until(lambda: "up" in process.text())
+    assert process.stop(signal.SIGABRT) == -signal.SIGABRT
+    assert "in run_node" in process.text()
 
 
 def test_a_signal_that_comes_while_the_process_ends_does_not_change_its_exit_code(talker, wait_until):

@@ -17,6 +17,7 @@ is set, the node ends; what it raises counts as raised in a callback.
 """
 
 import difflib
+import faulthandler
 import signal
 import socket
 import sys
@@ -99,6 +100,7 @@ class _StopSignals:
 
 def run_node(factory: Callable[[], Node], args: Sequence[str] | None = None) -> int:
     """Build a node, run it until it is told to stop, and give the process' exit code."""
+    faulthandler.enable()  # a crash or a hang tells in the log where it was
     try:
         prepare_environment()
         wait_for_supervisor()

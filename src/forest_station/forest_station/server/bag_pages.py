@@ -104,7 +104,7 @@ async def _mark(station: Station, _page: str, arguments: Mapping[str, Any]) -> s
     text = arguments.get("text")
     if not (isinstance(text, str) and 0 < len(text) <= LONGEST_MARK and text.isprintable()):
         raise Refused(f"Text is {str(text)[:LONGEST_MARK]!r}; allowed: 1 to {LONGEST_MARK} letters.")
-    if not station.graph.events.say(text):
+    if not await station.graph.events.say(text):
         raise Refused("No recorder hears /events: start a recording first.")
     return f"Marked: {text}"
 
