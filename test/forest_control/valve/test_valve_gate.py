@@ -31,7 +31,7 @@ def on_axis(axis, value, others=0.0):
 
 def lopsided(axis, **settings):
     """A driver of which one axis' valve gives less backwards: 7 V, beyond 0.5 V."""
-    p = parameters(beyond_valve=False, **settings)
+    p = parameters(**{"beyond_valve": False, **settings})
     law = p.axes[axis].valve
     law = law._replace(backward=law.backward._replace(rated_voltage=7.0, deadband_voltage=0.5))
     return p._replace(axes=tuple(a._replace(valve=law) if i == axis else a for i, a in enumerate(p.axes)))
@@ -172,6 +172,20 @@ def test_a_cylinder_s_valve_opens_by_its_load_and_a_motor_s_by_its_mean_pressure
     assert volts((-0.5e6, half, half))[0] == volts((0.0, half, half))[0] > low[0]
 
 
+@pytest.mark.parametrize("axis", [1, 2], ids=AXES[1:])
+def test_a_cylinder_s_chambers_are_as_long_as_it_stands_out_and_no_other_s(axis):
+    """Oil in the chambers yields: a valve opens by its own cylinder's length, while pressures settle."""
+    p = parameters(load_machine("c180"))
+    told, out = Pressures((5e6,) * 3, (4e6,) * 3, p.idle_pressure), (0.0, 1.5, 1.5)
+
+    def volts(positions):
+        motion = STILL._replace(positions=positions)
+        return valve_driver.step(REST, (3.0,) * 3, told, motion, p, 0.0)[1]
+
+    further = volts(tuple(x + 0.4 * (i == axis) for i, x in enumerate(out)))
+    assert [a != b for a, b in zip(volts(out), further, strict=True)] == [i == axis for i in range(3)]
+
+
 # --- nothing beyond a rating ----------------------------------------------------------------------
 
 
@@ -217,6 +231,15 @@ def test_dither_swings_at_its_frequency_and_stays_within_the_rating_of_its_way(a
 
 
 @every_axis
+def test_dither_begins_at_a_node_each_time_a_valve_opens(axis):
+    p = parameters(dither_frequency=23.0)
+    state = REST
+    for command in (4.0,) * 7 + (0.0,):
+        state, _ = valve_driver.step(state, on_axis(axis, command), UNSEEN, STILL, p, PERIOD)
+        assert (state.phase == 0.0) == (command == 0.0)
+
+
+@every_axis
 @pytest.mark.parametrize("bad", [math.nan, math.inf, -math.inf])
 def test_what_is_no_number_shuts_its_valve_and_forgets_that_it_was_open(axis, bad):
     p, state = parameters(), REST
@@ -244,9 +267,9 @@ def test_a_slew_limit_counts_from_the_last_voltage_and_lets_none_change_in_no_ti
 # --- a swing that is held -------------------------------------------------------------------------
 
 
-def held(load, borne, command=1e-9, **state):
+def held(load, borne, command=1e-9, p=None, **state):
     """The swing's voltage under a load that has been borne, both [N m]."""
-    p = parameters()
+    p = p or parameters()
     push = 0.5 * load / p.axes[0].displacement_1
     told = Pressures((8e6 + push, 5e6, 5e6), (8e6 - push, 5e6, 5e6), p.supply_pressure)
     before = REST._replace(primed=True, loads=(load, 0.0, 0.0), borne=borne, means=(8e6,) * 3, **state)
@@ -302,6 +325,40 @@ def test_leakage_opens_a_valve_from_what_is_worth_it_on_and_keeps_it_open_at_thr
             voltages=volts,
         )
         assert (kept != 0.0) == stays, (share, way)
+
+
+@both_ways
+def test_a_small_command_against_what_is_fed_takes_the_spool_as_far_back_as_it_asks_for(sign):
+    """It stays on the side that feeds: inwards from that edge, not over the overlap."""
+    p = parameters()
+    per_load = 10.0 * p.axes[0].slip / p.axes[0].rated_speed  # [V/(N m)]
+    load = sign * 2.0 * p.axes[0].least_fed / per_load
+    fed = 2.0 * p.axes[0].least_fed
+    hold = SHUT._replace(slow=sign * fed, quick=sign * fed, way=sign)
+    at = {"holds": (hold, SHUT, SHUT), "spools": (sign * 1.1, 0.0, 0.0), "voltages": (sign * 1.1, 0.0, 0.0)}
+
+    def volts(net):
+        return sign * held(load, load, sign * (net - fed), **at)
+
+    assert volts(0.01) > 1.0
+    assert 0.0 < volts(-0.02) < volts(-0.01) < 1.0
+
+
+@pytest.mark.parametrize(
+    ("beyond", "within"),
+    [(0.9, 0.7), (1.0, 0.6), (1.7, 0.0), (2.5, 0.0), (-0.6, -0.4), (-0.9, -0.1), (-1.1, 0.0), (-2.0, 0.0)],
+)
+def test_as_far_inwards_from_the_edge_of_its_way_as_the_voltage_is_beyond_it(beyond, within):
+    law = C180.valve.law
+    law = law._replace(
+        forward=law.forward._replace(deadband_voltage=0.8),
+        backward=law.backward._replace(deadband_voltage=0.5),
+    )
+    assert valve_driver._within_the_overlap(beyond, law) == pytest.approx(within, abs=1e-12)
+
+
+def test_what_leaks_is_fed_by_the_rating_that_commands_are_told_in():
+    assert held(1e4, 1e4, p=lopsided(0, beyond_valve=True)) == held(1e4, 1e4) > 1.0
 
 
 # --- crossing the overlap -------------------------------------------------------------------------

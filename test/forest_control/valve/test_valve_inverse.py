@@ -97,13 +97,17 @@ def test_the_oil_of_a_cylinder_is_what_the_its_dimensions_say(i):
 
 def test_the_tank_lines_pressure_is_that_of_all_the_oil_that_returns():
     """Driven against a preload alone, each axis' voltage is the one under that pressure."""
-    commands, line = (2.0, -3.0, 4.0), REAL.tank_line
-    speeds = [axis.rated_speed * c / 10.0 for axis, c in zip(P.axes, commands, strict=True)]
-    flow = speeds[0] * P.axes[0].displacement_2
-    flow += -speeds[1] * P.axes[1].displacement_1 + speeds[2] * P.axes[2].displacement_2
+    swing, boom, stick = P.axes
+    law = swing.valve._replace(backward=swing.valve.backward._replace(rated_voltage=7.0))
+    stick = stick._replace(displacement_1=0.012, displacement_2=0.008)
+    p = P._replace(axes=(swing._replace(valve=law), boom, stick))
+    commands, line = (2.0, -3.0, 5.0), REAL.tank_line
+    speeds = [axis.rated_speed * c / 10.0 for axis, c in zip(p.axes, commands, strict=True)]
+    flow = speeds[0] * swing.displacement_2 - speeds[1] * boom.displacement_1
+    flow += speeds[2] * stick.displacement_2
     tank = line.preload + line.resistance * flow**2
-    _, volts = valve_driver.step(REST, commands, UNSEEN, STILL, P, 0.0)
+    _, volts = valve_driver.step(REST, commands, UNSEEN, STILL, p, 0.0)
     for i, given in enumerate(volts):
-        axis = P.axes[i]
-        wanted = spool_voltage(commands[i], 0.0, -1.0, P.idle_pressure, tank, math.nan, axis, axis.valve, P)
+        axis = p.axes[i]
+        wanted = spool_voltage(commands[i], 0.0, -1.0, P.idle_pressure, tank, math.nan, axis, axis.valve, p)
         assert given == pytest.approx(wanted)  # dither begins at a node

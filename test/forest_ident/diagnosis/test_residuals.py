@@ -8,8 +8,9 @@ import pytest
 from forest_description.geometry.linkage import joint_angle
 from forest_description.machine import load_machine
 from forest_ident.diagnosis import machine_numbers
+from forest_ident.diagnosis.machine_numbers import full_speed
 from forest_ident.diagnosis.readings import Learnt, Readings, Way
-from forest_ident.diagnosis.residuals import NAMES, Residuals, full_speed, updated
+from forest_ident.diagnosis.residuals import NAMES, Residuals, updated
 
 MACHINE = load_machine("c180_hoses")
 P = machine_numbers.parameters(MACHINE)

@@ -7,14 +7,14 @@ from forest_sim.equations.plant_parameters import plant_parameters
 from forest_sim.half_step.load_sensing import load_weights
 from forest_sim.solver import integrator
 from forest_sim.solver.equilibrium import equilibrium
-from forest_sim.stage import implicit_stage
+from forest_sim.stage import stage_equations
 
 CASES = [("loader", (0.0, 3.0, 0.0)), ("loader", (0.0, 0.0, -3.0)), ("forwarder", (0.0, 0.0, -3.0))]  # [V]
 
 
 def last_equations(machine, volts, monkeypatch):
     """The manifold's equation after 0.1 s of motion, as a function of the iterate; and an iterate."""
-    given, inner = [], implicit_stage._equations_at
+    given, inner = [], stage_equations.equations_at
 
     def recorded(*arguments):
         given[:] = arguments
@@ -22,7 +22,7 @@ def last_equations(machine, volts, monkeypatch):
 
     p = plant_parameters(load_machine(machine))
     moving = integrator.advance(equilibrium((0.0, 0.5, -1.5), p), volts, 5e-3, 20, p)
-    monkeypatch.setattr(implicit_stage, "_equations_at", recorded)
+    monkeypatch.setattr(stage_equations, "equations_at", recorded)
     integrator.step(moving, volts, 1e-3, p)
     base, near, iterate, *rest = given
     return lambda at: inner(base, near, at, *rest)[0].supply, iterate

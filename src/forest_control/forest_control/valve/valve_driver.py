@@ -237,9 +237,7 @@ def _over_the_overlap(wanted: float, spool: float, ahead: float, law: ValveLaw, 
 
 
 def _tank_pressure(command: Vec3, p: Parameters) -> float:
-    """Return the pressure of the tank line [Pa] while all actuators move as commanded."""
-    if p.return_resistance == 0.0:
-        return 0.0
+    """Return the pressure of the tank line [Pa] while all actuators move as commanded; 0 without a line."""
     flow = (
         _returned(command[0], p.axes[0]) + _returned(command[1], p.axes[1]) + _returned(command[2], p.axes[2])
     )

@@ -4,7 +4,8 @@ In the order in which data passes:
 
 - `readings`: What is read in one sample; NaN for what is not there.
 - `machine_numbers`: The machine file's numbers, as the residuals need them.
-- `residuals`: What the machine does beside what its file says.
+- `residuals`: What the machine does beside what its file says: `axis_residuals` of swing, boom and
+  stick, `machine_residuals` of supply and sensors.
 - `sensor_watch`: Each sensor by itself: missing, frozen.
 - `sequential_test`, `limits`: Has a residual moved, and what a healthy machine may do.
 - `monitor`: All of it in one step.

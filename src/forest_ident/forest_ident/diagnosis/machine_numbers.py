@@ -1,5 +1,6 @@
 """The monitor's numbers of a machine: its file as the residuals need it."""
 
+import math
 from typing import NamedTuple
 
 from forest_description.components.drives import SwingDrive
@@ -77,3 +78,8 @@ def _axis(machine: Machine, plant: PlantParameters, i: int) -> AxisNumbers:
         internal_leakage=a.internal_leakage,
         external_leakage=a.external_leakage,
     )
+
+
+def full_speed(k: AxisNumbers) -> float:
+    """Return a speed near an axis's greatest [m/s; rad/s]: half of 20 MPa over each edge."""
+    return math.sqrt(1e7 / k.law.forward.resistance_1) / k.one.area

@@ -21,7 +21,7 @@ from forest_sim.mechanics import pendulum
 from forest_sim.solver import conserved_oil, integrator, power_flows
 from forest_sim.solver.equilibrium import equilibrium
 from forest_sim.solver.integrator import Simulation
-from forest_sim.stage import axis_stage, drive_stage, elastic_stage, implicit_stage
+from forest_sim.stage import axis_stage, drive_stage, elastic_stage, implicit_stage, stage_equations
 
 # What is seldom called, or only with the energy account: inlined, it would make the whole larger.
 NOINLINE = (
@@ -40,9 +40,9 @@ NOINLINE = (
     valve_characteristic.curved_opening,
     valve_characteristic.overlap_leakage,
     implicit_stage._iterate_further,
-    implicit_stage._equations_at_again,
+    stage_equations._equations_at_again,
     implicit_stage._iterate_elastic,
-    implicit_stage._equations_at_elastic,
+    stage_equations._equations_at_elastic,
     power_flows.power_flows,
     power_flows._axis_power,
     plant._axis_derivative,

@@ -10,36 +10,28 @@ import math
 from typing import NamedTuple
 
 from forest_description.types import Vec3
-from forest_sim.equations.multibody import HeadState, Inertia, mechanics, resisted, solve, times
-from forest_sim.equations.plant import AxisState, PlantState, transmissions, with_joint
-from forest_sim.equations.plant_parameters import Axis, PlantParameters
+from forest_sim.equations.multibody import solve
+from forest_sim.equations.plant import AxisState, PlantState, with_joint
+from forest_sim.equations.plant_parameters import PlantParameters
 from forest_sim.equations.valve_ports import Ports
 from forest_sim.hydraulics.oil_law import held_above_vapour
 from forest_sim.hydraulics.supply import SupplyState, flow_after, manifold_oil
-from forest_sim.mechanics.friction import pressed
 from forest_sim.mechanics.manipulator import Pair
-from forest_sim.stage.axis_stage import AxisEnd, AxisSolution, corrected_axis, solve_axis
+from forest_sim.stage import stage_equations
+from forest_sim.stage.axis_stage import AxisEnd, corrected_axis
 from forest_sim.stage.drive_stage import (
-    DriveSolution,
     drive_after,
-    solve_drive,
-    through_gear,
 )
 from forest_sim.stage.elastic_stage import (
     ALL_STIFF,
     ElasticSolution,
-    Rub,
     first_root_rates,
-    root_angles,
     root_corrections,
     roots_after,
-    solve_links,
-    through_links,
 )
+from forest_sim.stage.stage_equations import ELASTIC, RIGID, Iterate, StageEquations
 from forest_sim.stage.supply_stage import (
     UNBOUNDED,
-    SupplyError,
-    supply_error,
     supply_tolerance,
     tightened_bounds,
 )
@@ -47,28 +39,8 @@ from forest_sim.stage.supply_stage import (
 TOLERANCE = 1e-4  # [rad/s] of Newton's last correction; the next one would be a thousandth of it at 1 ms
 LIGHT_SHARE = 0.01  # of a motor's and a root's correction that counts: they weigh a hundredth of the crane
 BOUNDED = 6  # iterations after which the supply's pressure is kept between bounds, for its pump's kinks
-RIGID, ELASTIC = 0, 1  # literally, so that the machine code of rigid links has nothing of others
-NO_FEEDS = ((0.0, 0.0), (0.0, 0.0), (0.0, 0.0))
-NO_DRIVE = DriveSolution(torque=0.0, resistance=0.0, share=0.0, excess=0.0, give=0.0)
 ITERATIONS = 60
 DAMPED, FULL = 12, 24  # iterations between which kinks (dry friction, a relief valve) are met by half steps
-
-
-class Iterate(NamedTuple):
-    """What Newton looks for: the rates and the supply's pressure at a stage's end."""
-
-    rates: Vec3  # of the joints [rad/s]
-    head_rates: Pair  # of the hanging head [rad/s]
-    supply: SupplyState
-    motor_rate: float  # of the swing's motor, seen at its joint [rad/s]: without play, the joint's
-    root_rates: Vec3  # of the links' roots [rad/s]: of rigid links, the joints'
-
-
-def _with_root_rates(iterate: Iterate, base: PlantState, p: PlantParameters) -> Iterate:
-    """Return an iterate whose roots' rates, and the motor's without play, follow those of the links."""
-    roots = first_root_rates(base, iterate.rates, p)
-    motor = iterate.motor_rate if p.drive.gear.inertia > 0.0 else roots[0]
-    return Iterate(iterate.rates, iterate.head_rates, iterate.supply, motor, roots)
 
 
 class StageEnd(NamedTuple):
@@ -77,20 +49,6 @@ class StageEnd(NamedTuple):
     state: PlantState  # Y; where there are chambers, with pressures along the tangent of the oil's law
     held: PlantState  # Y, with oil in place of pressures as `conserved_oil.with_contents` has it
     failed: int  # 1 if Newton did not converge
-
-
-class StageEquations(NamedTuple):
-    """A stage's equations at an iterate."""
-
-    swing: AxisSolution
-    boom: AxisSolution
-    stick: AxisSolution
-    matrix: Inertia
-    residual: Vec3  # of the joints [N m s]
-    head_residual: Pair
-    supply: SupplyError
-    motor_gain: float  # h d(the swing's draw)/d(its motor's rate) [m^3 s]
-    drive: DriveSolution
 
 
 def solve_stage(
@@ -115,11 +73,18 @@ def solve_stage(
     iterate = Iterate(rates, (start.head.alpha_rate, start.head.beta_rate), start.supply, turning, rates)
     if p.elastic.present:
         return _iterate_elastic(base, start, _with_root_rates(iterate, base, p), ports, h, p)
-    equations, _ = _equations_at(base, start, iterate, ports, h, p, RIGID)
+    equations, _ = stage_equations.equations_at(base, start, iterate, ports, h, p, RIGID)
     after, size, supply_change = _newton_step(iterate, equations, ALL_STIFF, 1.0, UNBOUNDED, p, RIGID)
     if size < TOLERANCE and abs(supply_change) < supply_tolerance(after.supply.pressure, p):
         return _stage_end(base, after, equations, 0, h, p, RIGID)
     return _iterate_further(base, start, after, ports, h, p)
+
+
+def _with_root_rates(iterate: Iterate, base: PlantState, p: PlantParameters) -> Iterate:
+    """Return an iterate whose roots' rates, and the motor's without play, follow those of the links."""
+    roots = first_root_rates(base, iterate.rates, p)
+    motor = iterate.motor_rate if p.drive.gear.inertia > 0.0 else roots[0]
+    return Iterate(iterate.rates, iterate.head_rates, iterate.supply, motor, roots)
 
 
 def _iterate_further(
@@ -157,7 +122,7 @@ def _iterate(
 ) -> StageEnd:
     """Return what Newton's iterations lead to."""
     failed, bounds = 1, UNBOUNDED
-    equations, links = _equations_again(base, near, iterate, ports, h, p, bends)
+    equations, links = stage_equations.equations_again(base, near, iterate, ports, h, p, bends)
     for iteration in range(1, ITERATIONS):
         before, share = iterate.supply.pressure, 0.5 if DAMPED <= iteration < FULL else 1.0
         iterate, size, supply_change = _newton_step(iterate, equations, links, share, bounds, p, bends)
@@ -167,7 +132,7 @@ def _iterate(
             break
         if iteration >= BOUNDED:
             bounds = tightened_bounds(bounds, before, supply_change)
-        equations, links = _equations_again(base, near, iterate, ports, h, p, bends)
+        equations, links = stage_equations.equations_again(base, near, iterate, ports, h, p, bends)
     return _stage_end(base, iterate, equations, failed, h, p, bends)
 
 
@@ -195,7 +160,7 @@ def _stage_end(
         roots = roots_after(base, w, h, p.elastic)
         swing = _with_link(swing, base.swing, u[0], h)
         boom, stick = _with_link(boom, base.boom, u[1], h), _with_link(stick, base.stick, u[2], h)
-    head = _head_at(base.head, iterate.head_rates, h)
+    head = stage_equations.head_at(base.head, iterate.head_rates, h)
     held = SupplyState(manifold_oil(iterate.supply.pressure, p.supply), iterate.supply.reference)
     pump = base.pump
     if p.supply.drive.present:
@@ -211,123 +176,6 @@ def _with_link(end: AxisEnd, base: AxisState, rate: float, h: float) -> AxisEnd:
     """Return an axis' end, solved at its root, with the angle and rate [rad/s] of the link."""
     angle = base.angle + h * rate
     return AxisEnd(with_joint(end.state, angle, rate), with_joint(end.held, angle, rate))
-
-
-def _head_at(base: HeadState, rates: Pair, h: float) -> HeadState:
-    return HeadState(base.alpha + h * rates[0], base.beta + h * rates[1], rates[0], rates[1])
-
-
-def _equations_at(
-    base: PlantState,
-    near: PlantState,
-    iterate: Iterate,
-    ports: tuple[Ports, Ports, Ports],
-    h: float,
-    p: PlantParameters,
-    bends: int,
-) -> tuple[StageEquations, ElasticSolution]:
-    """Return M (rates - base) + h (bias - torque) = 0 and the supply's equation at an iterate."""
-    u, w, supply = iterate.rates, iterate.root_rates, iterate.supply.pressure
-    angles = base.swing.angle + h * u[0], base.boom.angle + h * u[1], base.stick.angle + h * u[2]
-    joints = root_angles(base, w, h, p) if bends else angles
-    t_1, t_2, t_3 = transmissions(joints[0], joints[1], joints[2], p)
-    turned = iterate.motor_rate
-    swing = solve_axis(base.swing, near.swing, turned, t_1, ports[0], supply, p.swing, p.guard, h)
-    boom = solve_axis(base.boom, near.boom, w[1], t_2, ports[1], supply, p.boom, p.guard, h)
-    stick = solve_axis(base.stick, near.stick, w[2], t_3, ports[2], supply, p.stick, p.guard, h)
-    head_rates = iterate.head_rates
-    m = mechanics(angles, u, _head_at(base.head, head_rates, h), p)
-    gained, head_gained = times(
-        m.inertia,
-        (u[0] - base.swing.rate, u[1] - base.boom.rate, u[2] - base.stick.rate),
-        (head_rates[0] - base.head.alpha_rate, head_rates[1] - base.head.beta_rate),
-    )
-    error = SupplyError(
-        residual=0.0,
-        slope=1.0,
-        by_rate=(0.0, 0.0, 0.0),
-        on_rates=(0.0, 0.0, 0.0),
-        feeds=NO_FEEDS,
-        state=iterate.supply,
-    )
-    if not p.supply.ideal:
-        error = supply_error(
-            base.supply, base.pump, supply, (swing, boom, stick), ports, (t_1.arm, t_2.arm, t_3.arm), h, p
-        )
-    torques = swing.torque, boom.torque, stick.torque
-    resistances = swing.resistance, boom.resistance, stick.resistance
-    drive, motor_gain, elastic = NO_DRIVE, 0.0, ALL_STIFF
-    if p.drive.present:
-        drive = solve_drive(base.drive, joints[0], w[0], turned, torques[0], resistances[0], h, p.drive)
-        torques = drive.torque, boom.torque, stick.torque
-        resistances = drive.resistance, boom.resistance, stick.resistance
-        motor_gain = error.on_rates[0]
-        error = through_gear(error, drive)
-    if bends:
-        rubs = _rub(boom, t_2.arm, p.boom), _rub(stick, t_3.arm, p.stick)
-        elastic = solve_links(base, u, w, torques, resistances, rubs, error.on_rates, h, p.elastic)
-        torques = elastic.swing.torque, elastic.boom.torque, elastic.stick.torque
-        resistances = elastic.swing.resistance, elastic.boom.resistance, elastic.stick.resistance
-        error = through_links(error, elastic)
-    equations = StageEquations(
-        swing=swing,
-        boom=boom,
-        stick=stick,
-        matrix=resisted(m.inertia, resistances, p.head.damping, h),
-        residual=(
-            gained[0] + h * (m.bias[0] - torques[0]),
-            gained[1] + h * (m.bias[1] - torques[1]),
-            gained[2] + h * (m.bias[2] - torques[2]),
-        ),
-        head_residual=(head_gained[0] + h * m.head_bias[0], head_gained[1] + h * m.head_bias[1]),
-        supply=error,
-        motor_gain=motor_gain,
-        drive=drive,
-    )
-    return equations, elastic
-
-
-def _rub(axis: AxisSolution, arm: float, constants: Axis) -> Rub:
-    """Return the dry friction of a solved axis."""
-    return Rub(pressed(constants.friction, axis.one.pressure, axis.two.pressure), arm)
-
-
-def _equations_again(
-    base: PlantState,
-    near: PlantState,
-    iterate: Iterate,
-    ports: tuple[Ports, Ports, Ports],
-    h: float,
-    p: PlantParameters,
-    bends: int,
-) -> tuple[StageEquations, ElasticSolution]:
-    if bends:
-        return _equations_at_elastic(base, near, iterate, ports, h, p)
-    return _equations_at_again(base, near, iterate, ports, h, p), ALL_STIFF
-
-
-def _equations_at_again(
-    base: PlantState,
-    near: PlantState,
-    iterate: Iterate,
-    ports: tuple[Ports, Ports, Ports],
-    h: float,
-    p: PlantParameters,
-) -> StageEquations:
-    """Return what `_equations_at` does of rigid links; not inlined."""
-    return _equations_at(base, near, iterate, ports, h, p, RIGID)[0]
-
-
-def _equations_at_elastic(
-    base: PlantState,
-    near: PlantState,
-    iterate: Iterate,
-    ports: tuple[Ports, Ports, Ports],
-    h: float,
-    p: PlantParameters,
-) -> tuple[StageEquations, ElasticSolution]:
-    """Return what `_equations_at` does of links that give way; not inlined."""
-    return _equations_at(base, near, iterate, ports, h, p, ELASTIC)
 
 
 def _newton_step(

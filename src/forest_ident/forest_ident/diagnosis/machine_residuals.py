@@ -1,0 +1,167 @@
+"""The machine's residuals: supply, meters and pairs of sensors, from sums over bins.
+
+| residual | of | formula | unit |
+|---|---|---|---|
+| supply | supply | p_s less what the pump's law gives at the axes' flow | MPa |
+| drain | the swing's case drain | less the file's leakage | L/min |
+| meter | a flow meter | ln of its volume over A dx and leakage | 1 |
+| agree | boom, stick | cylinder's length less that of its joint's angle | mm |
+| pair | a port at rest | valve's less actuator's transducer | MPa |
+| cold | oil | `WARM` less its temperature | K |
+
+A residual without its sensors is NaN.
+"""
+
+import math
+from typing import NamedTuple
+
+from forest_ident.diagnosis.axis_residuals import SETTLED, SPAN, Axis, Sums
+from forest_ident.diagnosis.machine_numbers import AxisNumbers, Parameters, full_speed
+from forest_ident.diagnosis.readings import NAN, PORTS, Readings
+from forest_sim.hydraulics.supply import Supply
+
+FLOWED = 0.04  # [1] of full flow, from which a meter is judged
+WARM = 288.0  # [K] 15 degrees Celsius: oil is colder only before it has warmed
+NEAR_LIMIT = 0.8  # [1] of the pump's flow, beyond which its pressure tells nothing
+SUPPLY_LOW = 1e6  # [Pa] under which no pump runs
+
+OF_MACHINE = (
+    *("supply", "drain", "swing_meter", "stick_meter", "boom_agree", "stick_agree"),
+    *(f"{port}_pair" for port in PORTS),
+    "cold",
+)
+UNKNOWN = (NAN,) * len(OF_MACHINE)
+MachineValues = tuple[float, ...]  # in the order of `OF_MACHINE`
+
+
+class Machine(NamedTuple):
+    """What is remembered of the supply and the meters."""
+
+    time: float = 0.0  # [s] in the bin
+    samples: float = 0.0
+    primed: int = 0
+    supply: float = 0.0  # sums within the bin
+    drain: float = 0.0
+    flow_1: float = 0.0
+    flow_2: float = 0.0
+    length_1: float = 0.0
+    length_2: float = 0.0
+    over_supply: float = 0.0  # sums over `SPAN`
+    over_drain: float = 0.0
+    over_meter_1: float = 0.0
+    over_moved_1: float = 0.0
+    over_meter_2: float = 0.0
+    over_moved_2: float = 0.0
+    over_agree_1: float = 0.0
+    over_agree_2: float = 0.0
+    bins: float = 0.0
+
+
+def sampled(m: Machine, r: Readings, dt: float) -> Machine:
+    """Return the machine with a sample in its bin, dt [s] after the last one."""
+    return m._replace(
+        time=m.time + dt,
+        samples=m.samples + 1.0,
+        supply=m.supply + r.supply,
+        drain=m.drain + r.case_drain,
+        flow_1=m.flow_1 + r.flows[0],
+        flow_2=m.flow_2 + r.flows[1],
+        length_1=m.length_1 + r.lengths[0],
+        length_2=m.length_2 + r.lengths[1],
+    )
+
+
+def ended(
+    m: Machine,
+    axes: tuple[Axis, Axis, Axis],
+    means: tuple[Sums, Sums, Sums],
+    r: Readings,
+    p: Parameters,
+    dt: float,
+    first: bool,
+) -> tuple[Machine, MachineValues]:
+    """Return the machine at a bin's end, and its residuals in the order and units of `OF_MACHINE`.
+
+    Args:
+        m: the machine, with the bin's samples.
+        axes: the axes at the bin's end.
+        means: of the axes in the bin.
+        r: the bin's last readings.
+        p: the file's numbers.
+        dt: length of the bin [s].
+        first: no bin came before.
+    """
+    n, k = m.samples, p.axes
+    demand = _demand(axes[0], k[0], dt) + _demand(axes[1], k[1], dt) + _demand(axes[2], k[2], dt)
+    swing, stick = means[0], means[2]
+    leaks = k[0].external_leakage * (swing.at_1 + swing.at_2)
+    through = k[0].internal_leakage * (swing.at_1 - swing.at_2) + k[0].external_leakage * swing.at_1
+    moved_1, moved_2 = k[0].one.area * axes[0].dx / dt, k[2].one.area * axes[2].dx / dt
+    supply = m.over_supply + m.supply / n - _supply_pressure(demand, m.supply / n, p.supply)
+    meter_1, meter_2 = m.over_meter_1 + m.flow_1 / n, m.over_meter_2 + m.flow_2 / n
+    taken_1, taken_2 = m.over_moved_1 + moved_1 + through, m.over_moved_2 + moved_2
+    agree_1 = m.over_agree_1 + m.length_1 / n - means[1].position
+    agree_2 = m.over_agree_2 + m.length_2 / n - means[2].position
+    drain, bins = m.over_drain + m.drain / n - leaks, m.bins + 1.0
+    start = Machine(primed=1)
+    pairs = (
+        *_pairs(swing, axes[0].quiet, k[0]),
+        *_pairs(means[1], axes[1].quiet, k[1]),
+        *_pairs(stick, axes[2].quiet, k[2]),
+    )
+    if first:
+        return start, UNKNOWN
+    if bins < SPAN:
+        kept = start._replace(
+            over_supply=supply,
+            over_drain=drain,
+            over_meter_1=meter_1,
+            over_moved_1=taken_1,
+            over_meter_2=meter_2,
+            over_moved_2=taken_2,
+            over_agree_1=agree_1,
+            over_agree_2=agree_2,
+            bins=bins,
+        )
+        return kept, (NAN, NAN, NAN, NAN, NAN, NAN, *pairs, NAN)
+    values = (
+        *(
+            1e-6 * supply / SPAN,
+            6e4 * drain / SPAN,
+            _metered(meter_1, taken_1, k[0]),
+            _metered(meter_2, taken_2, k[2]),
+        ),
+        *(1e3 * agree_1 / SPAN, 1e3 * agree_2 / SPAN),
+    )
+    return start, (*values, *pairs, 0.0 if r.temperature > WARM else WARM - r.temperature)
+
+
+def _demand(a: Axis, k: AxisNumbers, dt: float) -> float:
+    """Return the flow [m^3/s] that an axis takes from the supply."""
+    forward = a.voltage > k.law.forward.deadband_voltage and a.dx > 0.0
+    backward = -a.voltage > k.law.backward.deadband_voltage and a.dx < 0.0
+    return (k.one.area * a.dx if forward else -k.two.area * a.dx if backward else 0.0) / dt
+
+
+def _supply_pressure(demand: float, pressure: float, s: Supply) -> float:
+    """Return the pressure [Pa] of a compensated pump at a flow; NaN of another pump, or near its limit."""
+    if s.ideal != 0 or s.rate > 0.0 or s.compensation == 0.0 or pressure < SUPPLY_LOW:
+        return NAN
+    flow = demand + s.leakage * pressure
+    return s.set_pressure - flow / s.compensation if flow < NEAR_LIMIT * s.flow_limit else NAN
+
+
+def _metered(flow: float, taken: float, k: AxisNumbers) -> float:
+    """Return ln of what a meter has read over what an actuator has taken; NaN of little flow."""
+    least = SPAN * FLOWED * full_speed(k) * k.one.area
+    if math.isnan(flow * taken) or abs(flow) < least or flow * taken <= 0.0:
+        return NAN
+    return max(-1.0, min(1.0, math.log(flow / taken)))
+
+
+def _pairs(mean: Sums, quiet: float, k: AxisNumbers) -> tuple[float, float]:
+    """Return valve's less actuator's pressures [MPa] of a standing axis, once a second."""
+    rests = quiet > SETTLED and quiet % SPAN == 0.0
+    one = 1e-6 * (mean.valve_1 - mean.at_1) if rests and k.one.is_open == 1 else NAN
+    two = 1e-6 * (mean.valve_2 - mean.at_2) if rests and k.two.is_open == 1 else NAN
+    return one, two
