@@ -29,7 +29,6 @@ with warnings.catch_warnings(), contextlib.suppress(ImportError):
     importlib.import_module("rosidl_generator_py")
 
 DOMAINS = range(80, 102)
-REPETITIONS = 2  # at most, of a live test that fails
 MET_S = 30.0  # at which a test fails rather than hangs; on a busy machine a node alone takes seconds to start
 
 # Before the first participant of this process: the middleware reads them once.
@@ -39,17 +38,14 @@ os.environ["FASTRTPS_DEFAULT_PROFILES_FILE"] = str(Path(forest_msgs_py.__file__)
 
 
 @pytest.hookimpl(tryfirst=True)
-def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     """Mark the live tests, and run the files with most of them first.
 
-    A file runs in one worker: the last one to begin should be short. On a shared computer a live crane from
-    which it is taken for 0.1 s stops, as it should: in the whole suite such a test is repeated, and named.
+    A file runs in one worker: the last one to begin should be short.
     """
     live = [item for item in items if _is_live(item)]
     for item in live:
         item.add_marker("live")
-        if config.pluginmanager.has_plugin("rerunfailures"):
-            item.add_marker(pytest.mark.flaky(reruns=REPETITIONS))
     starts = Counter(item.path for item in live)
     items.sort(key=lambda item: (starts[item.path], str(item.path)), reverse=True)
 
