@@ -234,14 +234,15 @@ def test_the_failure_names_the_node_its_end_and_its_last_word_that_is_no_informa
     assert str(failed.value) == "simulator ended with exit code 3: [ERROR] melted"
 
 
-@pytest.mark.parametrize("number", [signal.SIGKILL, signal.SIGHUP])
-def test_a_node_that_was_killed_is_named_with_the_signal(graph_of, told, number):
-    graph = graph_of(simulator="")
+@pytest.mark.parametrize("number", [signal.SIGKILL, signal.SIGHUP, signal.SIGABRT, signal.SIGSEGV])
+def test_a_node_that_was_killed_is_named_with_the_signal(graph_of, told, number, tmp_path):
+    graph, crash = graph_of(simulator=""), number in (signal.SIGABRT, signal.SIGSEGV)
+    where = f"; where it was is at the end of {tmp_path / 'logs/log/simulator.log'}" if crash else ""
     with running(graph, told):
         os.kill(graph._processes[0].popen.pid, number)
         with pytest.raises(GraphError) as failed:
             graph.run()
-    assert str(failed.value) == f"simulator was killed by {number.name}"
+    assert str(failed.value) == f"simulator was killed by {number.name}{where}"
     assert graph.exit_codes == {"simulator": -number}
 
 
@@ -320,6 +321,16 @@ def test_a_node_that_hangs_is_killed_named_and_zero_is_said_after_it(
     assert warning.startswith("warning: valve_driver was killed by SIGABRT; where it was is at the end of ")
     assert order(diary, "hangs") == ["valve_driver"]
     assert guard.zeros > 0
+
+
+def test_a_node_that_is_deaf_to_its_last_question_is_killed(graph_of, told, monkeypatch, capsys):
+    monkeypatch.setattr(supervisor, "GRACE", 0.1)
+    monkeypatch.setattr(supervisor, "LAST_REPORT", 0.1)
+    graph = graph_of(simulator="")
+    with running(graph, told):
+        os.kill(graph._processes[0].popen.pid, signal.SIGSTOP)
+    assert graph.exit_codes == {"simulator": -signal.SIGKILL}
+    assert capsys.readouterr().err == "warning: simulator was killed by SIGKILL\n"
 
 
 def test_after_a_stop_in_which_nothing_hung_nothing_is_said(graph_of, guard, told, capsys):

@@ -31,6 +31,7 @@ from forest_sim.mechanics.gear import without_play
 
 SMALL = 0.5  # U/u_0 up to which c(U) is within 10 % of the slope at rest
 SAMPLES = 400  # of a quarter of the sine
+SINES = tuple(math.sin(0.5 * math.pi * (k + 0.5) / SAMPLES) for k in range(SAMPLES))
 FASTEST = 100.0  # [m/s] no piston is
 PLAYED = 12.7  # A/b from which play takes less than a tenth of the teeth's stiffness
 STANDSTILL = 1e-9  # [rad/s] no swing is slower than that
@@ -49,8 +50,7 @@ def equivalent_damping(amplitude: float, f: Friction) -> float:
 
 
 def _damping_of(friction: Callable[[float], float], amplitude: float) -> float:
-    sines = (math.sin(0.5 * math.pi * (k + 0.5) / SAMPLES) for k in range(SAMPLES))
-    return 2.0 * sum(friction(amplitude * s) * s for s in sines) / (SAMPLES * amplitude)
+    return 2.0 * sum(friction(amplitude * s) * s for s in SINES) / (SAMPLES * amplitude)
 
 
 def amplitude_limits(f: Friction, viscous: float) -> AmplitudeLimits:
@@ -116,7 +116,7 @@ def drive_limits(p: PlantParameters) -> DriveLimits | None:
 
 def is_rough(p: PlantParameters) -> bool:
     """Tell whether small oscillations differ from large ones."""
-    return bool(axes_with_friction(p)) or p.drive.present != 0
+    return any(axis.friction.breakaway > 0.0 for axis in p.axes) or p.drive.present != 0
 
 
 def without_dry_friction(p: PlantParameters) -> PlantParameters:
