@@ -104,6 +104,12 @@ def test_every_option_reaches_its_nodes(started, tmp_path, monkeypatch):
     assert parameters(nodes["foxglove"]) == {"port": "8765"}
 
 
+def test_a_monitor_looks_on_where_it_is_asked_for(started):
+    assert graph.main(["--monitor", "--machine", "loader"]) == 0
+    assert list(started.nodes) == ["controller", "valve_driver", "simulator", "monitor"]
+    assert parameters(started.nodes["monitor"]) == {"machine": '"loader"'}
+
+
 def test_without_a_simulator_the_controller_describes_the_machine(started):
     assert graph.main(["--no-simulator"]) == 0
     assert list(started.nodes) == ["controller", "valve_driver"]
@@ -119,8 +125,13 @@ def test_a_part_of_the_graph_starts_here_and_only_the_one_with_the_driver_says_z
     assert (list(started.nodes), started.may_publish) == (["controller"], False)
 
 
+def test_a_command_of_all_nodes_may_say_zero_unless_it_is_told_otherwise(started):
+    assert graph_command.run_command("replay", [], "/", on_log_line=print) == 0
+    assert started.may_publish
+
+
 def test_a_part_that_the_graph_does_not_have_is_refused(started, capsys):
-    assert graph.main(["--only", "simulator,recorder"]) == 2
+    assert graph.main(["--only", "simulator,recorder,nobody"]) == 2
     told = "graph: --only 'recorder' is no node of this graph; allowed: controller, valve_driver, simulator\n"
     assert capsys.readouterr().err == told
     assert not started.nodes
@@ -141,6 +152,8 @@ def test_each_node_runs_its_module():
         "interpolate": "true",
     }
     assert graph.simulator("c180").module == "forest_sim.simulator_node"
+    monitor = graph.monitor("c180")
+    assert (monitor.module, monitor.needed) == ("forest_ident.monitor_node", False)  # the crane works on
 
 
 def test_a_machine_file_is_named_by_its_whole_path_and_a_shipped_machine_by_its_name(tmp_path, monkeypatch):

@@ -190,6 +190,7 @@ def order(diary, what):
 
 def test_the_limits_are_what_the_documents_promise():
     assert supervisor.GRACE == 5.0  # s before a node that hangs is ended
+    assert supervisor.LAST_REPORT == 0.5  # s before one that does not say where it hangs is killed
     assert 0.3 <= supervisor.DISCOVERY <= 1.0
     assert supervisor.LOOK_PERIOD <= 1.0
     assert 0.2 <= supervisor.ZERO_TIME <= 0.5
