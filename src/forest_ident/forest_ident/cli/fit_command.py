@@ -215,6 +215,8 @@ class Bar:
     def __call__(self, text: str, share: float) -> None:
         """Tell what is being done and which share is done."""
         now = time.monotonic()
+        if share == 0.0:  # what comes before the simulations tells nothing of their pace
+            self._began = now
         if now < self._next:
             return
         self._next = now + (0.1 if self._line.terminal else 10.0)
