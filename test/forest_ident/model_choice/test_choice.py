@@ -4,10 +4,13 @@ import numpy as np
 import pytest
 
 from forest_description.machine import load_machine
+from forest_description.types import AXES
 from forest_ident.driving.simulated_experiment import experiment
+from forest_ident.measurements.parameter_path import with_part
 from forest_ident.measurements.session import Session, SessionError
-from forest_ident.model_choice import candidates, residual_patterns
+from forest_ident.model_choice import candidates, choice, residual_patterns
 from forest_ident.model_choice.choice import chosen
+from forest_ident.model_choice.held_out_comparison import Comparison
 from forest_ident.output_error.fit_problem import Fit
 from forest_ident.output_error.gaussian_estimate import EMPTY
 from forest_ident.output_error.residual_test import ResidualTest
@@ -24,9 +27,16 @@ def held_out():
     return [experiment("validation", SEALED, 3, longest=30.0)]
 
 
-def told(machine, held_out=()):
-    """Returns a fit that believes its start."""
-    return Result(machine, machine, held_out=list(held_out))
+def refined(name, tests=()):
+    """Returns a fitted record that tells nothing."""
+    session = Session(name, np.arange(3.0), np.zeros((3, 3)), {})
+    return Refined(session, Fit({}, {}, 1.0, EMPTY, {}, {}, 1, {}), (), list(tests))
+
+
+def told(machine, held_out=(), axes=AXES):
+    """Returns a fit of the axes' damping records that believes its start."""
+    records = [refined(f"damping_{axis}") for axis in axes]
+    return Result(machine, machine, held_out=list(held_out), refined=records)
 
 
 def test_the_confirmed_physics_are_kept_and_the_others_are_not(held_out, tmp_path):
@@ -47,14 +57,25 @@ def test_what_the_start_has_is_not_added_again(held_out):
     assert found.remarks == ["--allow friction: the start has dry friction already"]
 
 
+def test_friction_is_added_on_the_axes_of_which_a_record_tells_alone(monkeypatch):
+    monkeypatch.setattr(choice, "compare", lambda *_machines: Comparison(0.5, 0.1, 20))
+    found = chosen(PLAIN, lambda start: told(start, axes=["boom"]), ["friction"])
+    assert found.machine == with_part(PLAIN, "boom.friction", SEALED.boom.friction)
+    assert found.remarks[0].endswith(
+        "; these records cannot tell it of swing and stick: it takes damping_swing and damping_stick"
+    )
+    untold = chosen(PLAIN, lambda start: told(start, axes=[]), ["friction"])
+    assert untold.machine == PLAIN
+    assert untold.remarks[0].startswith("--allow friction: dry friction; these records cannot tell it of sw")
+
+
 def with_stranger(machine, held_out=(), times=40.0):
     """Returns a fit of which one record is not explained, as others are."""
     found = told(machine, held_out)
     found.stranger = "" if machine.boom.friction is not None else "damping_boom"
     found.remarks = ["damping_boom: the model does not explain this record: 1 Pa are left."]
     left = ResidualTest("boom_resolver", times * 1e-3, times, 1000, 0.9)
-    session = Session("damping_boom", np.arange(3.0), np.zeros((3, 3)), {})
-    found.refined = [Refined(session, Fit({}, {}, 1.0, EMPTY, {}, {}, 1, {}), (), [left])]
+    found.refined = [refined(f"damping_{axis}", [left] if axis == "boom" else []) for axis in AXES]
     return found
 
 

@@ -88,6 +88,34 @@ def test_a_search_ends_where_the_cost_does_not_fall_though_the_derivatives_promi
     assert fit(rounded, {"y": 0.024 * 1.02 * X}, [Channel("y", 0.05)], [unknown]).iterations == 1
 
 
+def test_a_plant_that_sticks_is_found_by_derivatives_over_more_than_its_steps():
+    def sticking(values):
+        return decay({"size": values["size"], "rate": np.round(values["rate"], 4)})
+
+    y = decay({"size": 2.0, "rate": 3.0})["y"] + np.random.default_rng(1).normal(0.0, 0.05, len(X))
+    found = fit(sticking, {"y": y}, [Channel("y", 0.05)], [Unknown("size", 1.0), Unknown("rate", 4.00004)])
+    assert abs(found.values["rate"] - 3.0) < 3.0 * found.errors["rate"]
+    assert found.errors["rate"] < 0.03
+
+
+def test_what_no_other_record_feels_keeps_no_search_going():
+    """A quarter of the way at each step: the start's pressure goes on for long, and moves nothing else."""
+
+    def steep(values):
+        return {"y": np.where(X < 0.5, 4.0 * values["own"], values["size"])}
+
+    def exact(values):
+        return {"y": np.where(X < 0.5, values["own"], values["size"])}
+
+    def search(own):
+        unknowns = [Unknown("size", 1.0), Unknown("own", 0.5, positive=False, own=own)]
+        y = np.where(X < 0.5, 3.0, 1.1)
+        return fit(exact, {"y": y}, [Channel("y", 0.05)], unknowns, rough=steep)
+
+    assert search(own=True).values["size"] == pytest.approx(1.1, rel=1e-3)
+    assert search(own=True).iterations < search(own=False).iterations
+
+
 def test_a_search_that_explains_nothing_ends_with_the_gain():
     """What the model lacks leaves far more than noise: no step is worth its simulations."""
 

@@ -5,9 +5,10 @@ import dataclasses
 import numpy as np
 import pytest
 
+from forest_description.geometry.linkage import cylinder_length
 from forest_description.machine import load_machine
 from forest_ident.measurements.session import Session, SessionError
-from forest_ident.refinement.experiment_check import demand
+from forest_ident.refinement.experiment_check import demand, demand_machine
 
 C180 = load_machine("c180_hoses")
 
@@ -55,3 +56,37 @@ def test_a_record_of_another_experiment_is_named(name, driven, roll, sentence):
 def test_a_record_of_its_experiment_passes(name, driven, roll):
     demand(C180, record(name, driven, roll))
     demand(C180, dataclasses.replace(record(name, driven), readings={}))
+
+
+def of_a_crane(lengthened=0.0, turned=0.0):
+    """Return a held-out record of the boom from -0.3 to 0.9 rad, with its cylinder's length."""
+    angles = np.linspace(-0.3, 0.9, 100)
+    length = [cylinder_length(angle, C180.boom.linkage) + lengthened for angle in angles]
+    readings = {"boom_resolver": angles + turned, "boom_transducer": np.array(length)}
+    return Session("validation", 0.005 * np.arange(100), np.zeros((100, 3)), readings)
+
+
+@pytest.mark.parametrize(
+    ("odd", "sentence"),
+    [
+        ({"lengthened": 0.15}, "the boom's cylinder is 0.15 m longer or shorter than c180_hoses's"),
+        (
+            {"turned": 0.5},
+            r"boom goes from 0.20 to 1.40 rad; allowed on c180_hoses: -0.64 \.\. 1.26: is it an",
+        ),
+    ],
+)
+def test_another_machines_record_is_refused(odd, sentence):
+    demand_machine(C180, of_a_crane(lengthened=0.03))  # a tape's errors
+    with pytest.raises(SessionError, match=sentence):
+        demand_machine(C180, of_a_crane(**odd))
+
+
+@pytest.mark.parametrize(("name", "laminar"), [("hose", 1.0), ("hose_laminar", 0.0)])
+def test_a_hoses_record_with_the_other_hoses_facts_is_refused(name, laminar):
+    facts = {"laminar": laminar, "hose_axis": 0.0}
+    demand(C180, dataclasses.replace(record(name, (0,)), metadata={**facts, "laminar": 1.0 - laminar}))
+    with pytest.raises(
+        SessionError, match=f"{name}: its experiment.yaml says laminar {laminar:g}; allowed: "
+    ):
+        demand(C180, dataclasses.replace(record(name, (0,)), metadata=facts))

@@ -1,6 +1,7 @@
 """`forest-ident fit`: bags in, machine file and report out."""
 
 import argparse
+import itertools
 import sys
 import time
 from collections.abc import Sequence
@@ -62,9 +63,15 @@ def run(options: argparse.Namespace) -> int:
     _demand_judge(options.allow, sessions)
     bar = Bar()
     given, stated = list(sessions.values()), uncertainties(options.start)
+    rounds, ended = 1 + len(options.allow), itertools.count()
 
     def identify(machine: Machine) -> Result:
-        return identification.identify(machine, given, bar, not options.linear, stated)
+        before = next(ended)
+
+        def told(text: str, share: float) -> None:
+            bar(text, (before + share) / rounds)
+
+        return identification.identify(machine, given, told, not options.linear, stated)
 
     result = choice.chosen(start, identify, options.allow)
     bar.end()
@@ -208,6 +215,8 @@ class Bar:
     def __call__(self, text: str, share: float) -> None:
         """Tell what is being done and which share is done."""
         now = time.monotonic()
+        if share == 0.0:  # what comes before the simulations tells nothing of their pace
+            self._began = now
         if now < self._next:
             return
         self._next = now + (0.1 if self._line.terminal else 10.0)

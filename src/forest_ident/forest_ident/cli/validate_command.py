@@ -8,6 +8,7 @@ from typing import Any
 from forest_description.machine import load_machine
 from forest_ident.measurements import session_bag
 from forest_ident.measurements.session import SessionError
+from forest_ident.refinement import experiment_check
 from forest_ident.validation import prediction_error
 from forest_ident.validation.verdict import NOT_TRUSTED, TRUSTED
 
@@ -26,12 +27,13 @@ def run(options: argparse.Namespace) -> int:
     """Run the verb; return its exit code.
 
     Raises:
-        SessionError: the bag cannot be predicted, or the report's directory is there.
+        SessionError: the bag cannot be predicted, is another machine's, or the report's directory is there.
     """
     if options.report is not None and options.report.exists():
         raise SessionError(f"{options.report} exists already; choose another --report or remove it")
     model = load_machine(options.model)
     session = session_bag.read(options.bag)
+    experiment_check.demand_machine(model, session)
     found = prediction_error.signals(model, session)
     missed = prediction_error.over_limit(found)
     code = NOT_TRUSTED if missed else TRUSTED

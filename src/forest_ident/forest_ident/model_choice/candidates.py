@@ -15,7 +15,7 @@ Sizes are usual ones of a crane; those that grow with the crane follow from its 
 """
 
 import dataclasses
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from typing import NamedTuple
 
 from forest_description.components.drives import (
@@ -56,6 +56,7 @@ class Candidate(NamedTuple):
     pattern: str  # what it leaves in residuals
     add: Callable[[Machine], Machine]
     rig: bool = False  # whether the valve's rig shows it: then its records tell, and no other
+    parts: tuple[str, ...] = ()  # sections of an axis of which only its own damping record tells
 
 
 def _friction(machine: Machine) -> Machine:
@@ -187,8 +188,36 @@ def _pendulum(machine: Machine) -> Machine:
     return with_part(machine, "manipulator.pendulum", body)
 
 
+def added(candidate: Candidate, machine: Machine, records: Collection[str]) -> tuple[Machine, list[str]]:
+    """Return the machine with a candidate where records tell of it, and the axes of which none does.
+
+    Args:
+        candidate: whose physics are added.
+        machine: that may lack them.
+        records: names of the records that are fitted.
+
+    Raises:
+        MachineError: this crane cannot have them.
+    """
+    richer, untold = candidate.add(machine), []
+    for axis in AXES if candidate.parts else ():
+        keys = [key for key in (f"{axis}.{part}" for part in candidate.parts) if part_of(richer, key)]
+        new = [key for key in keys if part_of(machine, key) is None]
+        if new and f"damping_{axis}" not in records:
+            untold.append(axis)
+            for key in new:
+                richer = with_part(richer, key, None)
+    return richer, untold
+
+
 CANDIDATES = (
-    Candidate("friction", "dry friction", "a step where the speed changes its sign", _friction),
+    Candidate(
+        "friction",
+        "dry friction",
+        "a step where the speed changes its sign",
+        _friction,
+        parts=("friction",),
+    ),
     Candidate(
         "backlash",
         "backlash of the swing's gear",
@@ -208,7 +237,13 @@ CANDIDATES = (
         _hysteresis,
         rig=True,
     ),
-    Candidate("holding", "load-holding valves", "a back pressure while the load is lowered", _holding),
+    Candidate(
+        "holding",
+        "load-holding valves",
+        "a back pressure while the load is lowered",
+        _holding,
+        parts=("holding_1", "holding_2", "chambers"),
+    ),
     Candidate("bending", "links that bend", "oscillations of the links after each change of speed", _bending),
     Candidate("pendulum", "a head that hangs", "a slow sway after each change of speed", _pendulum),
     Candidate(

@@ -6,7 +6,7 @@ from forest_description.config.parameter import MachineError
 from forest_description.machine import Machine
 from forest_ident.measurements.session import SessionError
 from forest_ident.model_choice import residual_patterns
-from forest_ident.model_choice.candidates import CANDIDATES
+from forest_ident.model_choice.candidates import CANDIDATES, added
 from forest_ident.model_choice.held_out_comparison import compare
 from forest_ident.model_choice.measured_curve import with_measured_curves
 from forest_ident.refinement.result import Result
@@ -36,12 +36,17 @@ def chosen(start: Machine, identify: Identify, allowed: Sequence[str]) -> Result
         if candidate.name not in allowed:
             continue
         try:
-            richer_start = candidate.add(best.start)
+            fitted = {one.session.name for one in best.refined}
+            richer_start, untold = added(candidate, best.start, fitted)
         except MachineError as error:
             decisions.append(f"--allow {candidate.name}: this crane cannot have it ({error})")
             continue
+        cannot = _cannot_tell(untold)
         if richer_start == best.start:
-            decisions.append(f"--allow {candidate.name}: the start has {candidate.physics} already")
+            decisions.append(
+                f"--allow {candidate.name}: "
+                + (f"{candidate.physics}{cannot}" if untold else f"the start has {candidate.physics} already")
+            )
             continue
         if candidate.name == "curve":
             records = [one.session for one in best.refined]
@@ -54,7 +59,7 @@ def chosen(start: Machine, identify: Identify, allowed: Sequence[str]) -> Result
             continue
         decisions.append(
             f"--allow {candidate.name}: {candidate.physics}, {'kept' if gain.better else 'not kept'}: "
-            f"{gain.told()}"
+            f"{gain.told()}{cannot}"
         )
         best = richer if gain.better else best
     named = residual_patterns.findings(best)
@@ -62,6 +67,12 @@ def chosen(start: Machine, identify: Identify, allowed: Sequence[str]) -> Result
         _refuse_another_machines(best)
     best.remarks += decisions + [one.sentence() for one in named]
     return best
+
+
+def _cannot_tell(axes: Sequence[str]) -> str:
+    """Return the end of a remark on the axes of which no record tells; "" without one."""
+    records = " and ".join(f"damping_{axis}" for axis in axes)
+    return f"; these records cannot tell it of {' and '.join(axes)}: it takes {records}" if axes else ""
 
 
 def _refuse_another_machines(result: Result) -> None:

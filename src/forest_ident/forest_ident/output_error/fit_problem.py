@@ -38,9 +38,10 @@ class Unknown(NamedTuple):
     start: float
     prior: float = math.inf  # standard deviation; of a positive one relative
     positive: bool = True
-    difference: float = 1e-6
-    """For derivatives; of a positive one relative. Of 1e-4 the curvature is 3e-4 of a derivative, of 1e-7 the
-    rounding 3e-5; of this one both are below 3e-5."""
+    difference: float = 1e-3
+    """For derivatives; of a positive one relative. The curvature is 3e-3 of a derivative. A plant that sticks
+    answers a difference of 1e-6 with the chance of which step its friction lets go in."""
+    own: bool = False  # of one record alone: no other feels it
 
 
 class Channel(NamedTuple):
@@ -98,12 +99,16 @@ class Problem:
         self._nuisances = [*((c.name, "b") for c in offsets), *((c.name, "g") for c in gains)]
         everything = [
             *unknowns,
-            *(Unknown(f"{c.name}.b{f'.{c.run}' if c.run else ''}", 0.0, c.offset, False) for c in offsets),
+            *(
+                Unknown(f"{c.name}.b{f'.{c.run}' if c.run else ''}", 0.0, c.offset, False, own=bool(c.run))
+                for c in offsets
+            ),
             *(Unknown(f"{c.name}.g", 0.0, c.gain, False) for c in gains),
         ]
         start = np.array([math.log(u.start) if u.positive else u.start for u in everything])
         spread = np.array([u.prior for u in everything])
         self.names, self.count = tuple(u.key for u in everything), len(unknowns)
+        self.lasting = np.array([not u.own for u in everything])  # what other records feel, too
         self.mean, self.known = prior_information(prior, self.names, start, spread)
         # Derivatives do not hold for a logarithm that moves by more than a half.
         self.reach = np.array([0.5 if u.positive else math.inf for u in everything])

@@ -47,7 +47,7 @@ BLOCK = 200  # rows of one block of the sandwich
 ITERATIONS = 20
 DAMPING = 1e-6  # at the start: so small that correlated parameters may move together
 TRIES = 8  # of one step, each with more damping
-CONVERGED = 0.1  # of the standard errors, that the last step moved
+CONVERGED = 0.1  # of the standard errors, that the last step moved what other records feel, too
 STALE = 0.03  # of a positive parameter, from where derivatives were taken, to take them again
 SLOW = 0.3  # of the last step; after a longer step derivatives are taken again, too
 LITTLE = 0.03  # by which a step lowers the cost at least, if the search is to go on: 1 is a standard error
@@ -216,6 +216,7 @@ class _Search:
                 fall = -math.inf
             if fall >= 0.0:
                 errors = np.sqrt(np.maximum(np.diag(inverse(hessian)), 1e-300))
-                return theta + move, after, damping / 10.0, float(np.max(np.abs(move) / errors)), fall
+                moved = float(np.max((np.abs(move) / errors)[problem.lasting], initial=1e-300))
+                return theta + move, after, damping / 10.0, moved, fall
             damping = 10.0 * max(damping, 1e-3)
         return theta, predicted, damping, 0.0, 0.0

@@ -1,22 +1,33 @@
-"""Is a record of the experiment that it names? By the axes that were driven, and how the platform stood."""
+"""Is a record of the experiment that it names, and of this machine?
+
+By the axes that were driven, how the platform stood, the facts beside it, and lengths over angles.
+"""
 
 import numpy as np
 
+from forest_description.derived.limits import joint_limits
+from forest_description.geometry.linkage import cylinder_length
 from forest_description.machine import Machine
 from forest_description.types import AXES
-from forest_ident.experiments.experiment_plan import TILT
+from forest_ident.experiments.experiment_plan import TILT, plan
 from forest_ident.measurements.session import Session, SessionError
 
 DRIVEN = 0.02  # of a valve's rated voltage: less is no opening
 TILTED = 0.3 * TILT  # [rad]
+STRANGE = 0.1  # of a cylinder's stroke: ten times what a tape's errors move its length by
+BEYOND = 0.1  # [rad] past the end of a joint's way: more than any sensor's error
+COUNT = 200  # samples of a record that are compared
 
 
 def demand(machine: Machine, session: Session) -> None:
     """Refuse a record that is of another experiment than it says.
 
     Raises:
-        SessionError: it drives an axis that its experiment leaves alone, or stands otherwise.
+        SessionError: it drives an axis that its experiment leaves alone, stands otherwise, has facts of
+            another experiment, or is another machine's.
     """
+    _demand_facts(machine, session)
+    demand_machine(machine, session)
     allowed = _axes(session)
     if allowed is None:
         return
@@ -36,6 +47,53 @@ def demand(machine: Machine, session: Session) -> None:
         if (tilt > TILTED) != (session.name == "motor_internal"):
             stands = "tilted" if session.name == "motor_internal" else "level"
             raise SessionError(f"{session.name}: the platform rolls {tilt:.3f} rad; allowed: a {stands} one")
+
+
+def _demand_facts(machine: Machine, session: Session) -> None:
+    """Refuse a hose's record whose facts are of another hose's experiment."""
+    if session.kind != "hose":
+        return
+    planned = plan(session.name, machine).metadata
+    for fact in ("laminar", "hose_axis") if session.own_axis else ("laminar",):
+        told = session.metadata.get(fact, planned[fact])
+        if told != planned[fact]:
+            raise SessionError(
+                f"{session.name}: its experiment.yaml says {fact} {told:g}; allowed: {planned[fact]:g}: is "
+                "it another hose's under this name?"
+            )
+
+
+def demand_machine(machine: Machine, session: Session) -> None:
+    """Refuse a record of the crane that this machine cannot have made.
+
+    Raises:
+        SessionError: a joint goes where it has no way, or a cylinder's length does not belong to its angle.
+    """
+    if not session.on_crane:
+        return
+    for axis, (low, high) in zip(AXES, joint_limits(machine), strict=True):
+        if not session.has(f"{axis}_resolver"):
+            continue
+        angles = session.column(f"{axis}_resolver")
+        if axis != "swing" and (angles.min() < low - BEYOND or angles.max() > high + BEYOND):
+            raise SessionError(
+                f"{session.name}: {axis} goes from {angles.min():.2f} to {angles.max():.2f} rad; allowed on "
+                f"{machine.name}: {low:.2f} .. {high:.2f}: is it another machine's record?"
+            )
+        if session.has(f"{axis}_transducer"):
+            _demand_lengths(machine, session, axis)
+
+
+def _demand_lengths(machine: Machine, session: Session, axis: str) -> None:
+    drive, every = getattr(machine, axis), max(1, len(session.time) // COUNT)
+    read = session.column(f"{axis}_transducer")[::every]
+    angles = session.column(f"{axis}_resolver")[::every].tolist()
+    off = float(np.median(np.abs(read - [cylinder_length(angle, drive.linkage) for angle in angles])))
+    if off > STRANGE * drive.stroke:
+        raise SessionError(
+            f"{session.name}: the {axis}'s cylinder is {off:.2f} m longer or shorter than {machine.name}'s "
+            f"at its angles; allowed: up to {STRANGE * drive.stroke:.2f} m: is it another machine's record?"
+        )
 
 
 def _axes(session: Session) -> tuple[str, ...] | None:

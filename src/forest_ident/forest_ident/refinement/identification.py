@@ -44,8 +44,9 @@ from forest_ident.refinement import (
     refinement,
     told_numbers,
 )
-from forest_ident.refinement.refinement_task import simulations, task
+from forest_ident.refinement.refinement_task import task
 from forest_ident.refinement.result import Refined, Result
+from forest_ident.refinement.workload import Workload
 
 HELD_OUT = ("validation", "motion")
 OWN_VALVE = (
@@ -85,6 +86,8 @@ def identify(
     result.remarks += [data_quality.cut_off(session) for session in used if not session.whole]
     for session in used:
         experiment_check.demand(start, session)
+    for session in result.held_out:
+        experiment_check.demand_machine(start, session)
     result.told = _measured_linkages(result, used, told_numbers.errors(start, stated))
     for session in used:
         progress(f"{session.name}: linear estimates", 0.0)
@@ -92,17 +95,12 @@ def identify(
             _estimate_linearly(result, session)
     result.known = _of_offsets([*_offsets_of_file(start, used), *result.calibration])
     work = [s for s in used if refine and task(result.machine, s) is not None]
-    # A simulation takes as long as its record is; how many there will be, the numbers of unknowns tell.
-    expected = [simulations(result.machine, s) for s in work]
-    costs = np.array([len(s.time) * count for s, count in zip(work, expected, strict=True)])
+    workload = Workload(result.machine, work)
     for place, session in enumerate(work):
-        count = [0]
 
-        def simulated(session: Session = session, place: int = place, count: list[int] = count) -> None:
-            count[0] += 1
-            of_this = costs[place] * min(count[0] / expected[place], 1.0)
-            share = float((np.sum(costs[:place]) + of_this) / np.sum(costs))
-            progress(f"{session.name}: refinement, simulation {count[0]}", share)
+        def simulated(session: Session = session, place: int = place) -> None:
+            count = workload.count(place)
+            progress(f"{session.name}: refinement, simulation {count}", workload.share(place))
 
         try:
             with data_quality.evaluated(session):

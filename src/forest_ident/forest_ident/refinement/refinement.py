@@ -54,6 +54,8 @@ def refine(
     work = task(machine, session)
     if work is None:
         return None
+    # The load chart moves nothing, and would refuse lengths that are moved a little to feel their errors.
+    machine = dataclasses.replace(machine, capacity=None)
     if session.kind == "deadband":
         machine = with_directions(machine, f"{session.own_axis}.valve")
     unknowns = [*_unknowns(machine, session, work), *_start_pressures(machine, session, work, known)]
@@ -133,7 +135,12 @@ def _start_pressures(
         spread = math.hypot(offset, START_NOISE)
         found.append(
             Unknown(
-                key=f"{START}{name}.{session.name}", start=0.0, prior=spread, positive=False, difference=100.0
+                key=f"{START}{name}.{session.name}",
+                start=0.0,
+                prior=spread,
+                positive=False,
+                difference=100.0,
+                own=True,
             )
         )
     return found

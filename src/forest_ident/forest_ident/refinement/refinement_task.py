@@ -22,7 +22,7 @@ from forest_ident.measurements.session import Session
 from forest_ident.refinement import extension_keys
 
 START = "start."
-OF_DERIVATIVES, STEPS = 1.4, 8.0  # times that derivatives are taken; steps of a search: as they were counted
+OF_DERIVATIVES, STEPS = 1.1, 8.0  # times that derivatives are taken; steps of a search: as they were counted
 VALVE = ("deadband_voltage", "minimum_resistance")
 LEAKAGE = ("swing.internal_leakage_resistance", "swing.external_leakage_resistance")
 OFFSETS = ("boom.angle", "stick.angle", "oil.offset")

@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
+from markupsafe import Markup, escape
 
 from forest_ident.estimators.parameter_estimate import NORMAL_95
 from forest_ident.validation.prediction_error import limit
@@ -19,6 +20,14 @@ ENVIRONMENT = Environment(
 )
 ENVIRONMENT.globals["normal_95"] = NORMAL_95
 ENVIRONMENT.globals["limit"] = limit
+
+
+def _breakable(key: str) -> Markup:
+    """Return a dotted key that may be broken after its points and underscores."""
+    return escape(key).replace(".", Markup(".<wbr>")).replace("_", Markup("_<wbr>"))
+
+
+ENVIRONMENT.filters["breakable"] = _breakable
 
 
 def render(template: str, **content: Any) -> str:

@@ -59,7 +59,7 @@ def write(
         unidentified=unidentified(result),
         online=online(result),
         experiments=[
-            (_image((6.0, 3.6), draw, result.machine, session), f"{session.name}: {_first_line(draw)}")
+            (_image((6.0, 3.6), draw, result.machine, session), f"{session.name}: {_caption(draw)}")
             for session in sessions
             for draw in report_plots.of_session(session)
         ],
@@ -86,8 +86,9 @@ def _made(start: str) -> dict[str, str]:
     }
 
 
-def _first_line(draw: Callable[..., None]) -> str:
-    return (draw.__doc__ or "").splitlines()[0]
+def _caption(draw: Callable[..., None]) -> str:
+    """Return what a function says that it plots."""
+    return (draw.__doc__ or "").splitlines()[0].removeprefix("Plot ")
 
 
 def off(e: Estimate, before: float | None) -> str:

@@ -65,7 +65,9 @@ def valve(axes: Any, machine: Machine, session: Session) -> None:
     seen = np.isfinite(c_r)
     if np.all(np.isfinite(coefficients)):
         curve = np.polynomial.polynomial.polyval(np.abs(volts[seen]), coefficients)
-        axes.semilogy(volts[seen], np.where(curve > 0.0, curve, math.nan), "C1--", label="polynomial")
+        between = np.searchsorted(volts[seen], 0.0)  # no line through the overlap
+        x, y = (np.insert(column, between, math.nan) for column in (volts[seen], curve))
+        axes.semilogy(x, np.where(y > 0.0, y, math.nan), "C1--", label="polynomial")
     axes.set(xlabel="voltage, V", ylabel="C_R, Pa s²/m⁶", title="Valve characteristic (fig. 4.4)")
     axes.legend()
 

@@ -1,4 +1,4 @@
-"""Predictions of held-out records: measured solid, predicted dotted, as Thesis fig. 4.12 and 4.13."""
+"""Predictions of held-out records: measured broad, predicted dotted, as Thesis fig. 4.12 and 4.13."""
 
 from pathlib import Path
 from typing import Any
@@ -19,6 +19,7 @@ SCALES = {
     "m3/s": ("L/min", 6e4),
     "Pa": ("MPa", 1e-6),
 }
+PALE = "#7fb8e6"  # under the dots of the prediction, so that neither hides the other
 SHOWN = (6.0, 16.0)  # [s] of the record
 PARTS = (("stick", "pressure 1"), ("stick", "pressure 2"), ("swing", "pressure 1"))
 
@@ -38,7 +39,7 @@ def images(session: Session, signals: list[Signal]) -> list[tuple[str, str]]:
     """Return an image per axis, as source for a page, with its caption."""
     axes = dict.fromkeys(s.axis for s in signals)
     figures = (_figure(session, axis, [s for s in signals if s.axis == axis]) for axis in axes)
-    captions = (f"{session.name}, {axis}: measured solid, predicted dotted" for axis in axes)
+    captions = (f"{session.name}, {axis}: measured broad, predicted dotted" for axis in axes)
     return [(html_page.image(figure), caption) for figure, caption in zip(figures, captions, strict=True)]
 
 
@@ -48,7 +49,7 @@ def _figure(session: Session, axis: str, signals: list[Signal]) -> Figure:
     figure = Figure(figsize=(8.0, 1.5 * count), layout="constrained")
     rows = figure.subplots(count, 1, sharex=True)
     rows[0].plot(session.time, session.voltages[:, AXES.index(axis)], "k", linewidth=0.9)
-    rows[0].set(ylabel="input, V", title=f"{axis}: measured solid, predicted dotted")
+    rows[0].set(ylabel="input, V", title=f"{axis}: measured broad, predicted dotted")
     for row, s in zip(rows[1:], signals, strict=True):
         _compare(row, session, s, np.ones(len(session.time), dtype=bool), 1.3)
         row.set_ylabel(f"{s.name}, {SCALES[s.unit][0]}", fontsize=8)
@@ -58,7 +59,7 @@ def _figure(session: Session, axis: str, signals: list[Signal]) -> Figure:
 
 def _compare(axes: Any, session: Session, signal: Signal, rows: Bools, width: float) -> None:
     scale = SCALES[signal.unit][1]
-    axes.plot(session.time[rows], scale * signal.measured[rows], color="C0", linewidth=0.9)
+    axes.plot(session.time[rows], scale * signal.measured[rows], color=PALE, linewidth=2.5 * width)
     axes.plot(session.time[rows], scale * signal.predicted[rows], "k:", linewidth=width)
 
 
