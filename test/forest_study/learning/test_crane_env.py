@@ -99,7 +99,7 @@ def test_noise_and_mismatch_are_drawn_by_the_seed(monkeypatch):
     monkeypatch.setattr(tasks, "drawn", lambda _, machine, chance: task(machine, np.random.default_rng(0)))
     noise = abs(np.subtract(*(env_of("reach").reset(seed=seed)[0][6:12] for seed in (1, 2))))
     drawn = abs(np.subtract(*(env_of("reach", mismatch=True).reset(seed=seed)[0][6:12] for seed in (1, 2))))
-    assert noise.min() > 0.0
+    assert noise.max() > 1e-3
     assert drawn[2] > noise.max() + 0.05  # MPa under the boom
 
 
