@@ -20,6 +20,7 @@ from forest_study.demo import replay
 from forest_study.diagnosis import diagnosis_command
 from forest_study.faults import faults_command
 from forest_study.latency import delay_study, placing, timing
+from forest_study.learning import baseline_command
 from forest_study.logs import logs_command
 from forest_study.matrix import matrix_command
 from forest_study.results import StudyError, new_directory
@@ -104,6 +105,8 @@ def _parser() -> argparse.ArgumentParser:
     logs_command.add_arguments(moving)
     many = _command(commands, "sweep", _sweep, "thousands of runs from a study's file, resumable")
     sweep_command.add_arguments(many)
+    text = "our controller and simple policies on the drawn tasks of the Gymnasium environment"
+    baseline_command.add_arguments(_command(commands, "baseline", _baseline, text))
     text = "the monitor's false alarms and detections, from sweeps of kind diagnosis"
     diagnosis_command.add_arguments(_command(commands, "diagnosis", _diagnosis, text))
     return parser
@@ -165,6 +168,13 @@ def _sway(options: argparse.Namespace) -> int:
 
 def _sweep(options: argparse.Namespace) -> int:
     return sweep_command.run(options)
+
+
+def _baseline(options: argparse.Namespace) -> int:
+    try:
+        return baseline_command.run(options)
+    except PathError as error:
+        raise StudyError(f"baseline: {error}") from error
 
 
 def _diagnosis(options: argparse.Namespace) -> int:

@@ -41,6 +41,7 @@ NOINLINE = (*plant_kernel.NOINLINE, *control_compiled.NOINLINE)
 ARGUMENTS = "pppppipppp"
 NO_LOADS: Mapping[int, PlantParameters] = {}
 LEADS_NOT = np.array([0.0, 1.0, 0.0, 1.0, *[0.0] * 7])  # of hand and guide
+EVERY = 3  # place of the joystick's periods there
 RECORDED = 27
 runtime_numbers = np.zeros(1)
 """Values of those numbers that this process has made `RuntimeNumber`s: none, but in an ablation."""
@@ -99,13 +100,22 @@ class Session:
         prepared: its beginning, and as many rows of levers and draws as it has at most.
         places: of a path that an operator leads the reference along; none, unless given.
         guide: of hand and operator there.
+        every: periods between two words of the joystick, of a session without a guide.
     """
 
-    def __init__(self, prepared: Prepared, places: Floats | None = None, guide: Floats | None = None) -> None:
+    def __init__(
+        self,
+        prepared: Prepared,
+        places: Floats | None = None,
+        guide: Floats | None = None,
+        every: int = 1,
+    ) -> None:
         self.state, self.knowledge = prepared.state.copy(), prepared.knowledge.copy()
         self.levers, rows = prepared.levers.copy(), len(prepared.levers)
         self.recorded, self.clock = np.empty((rows, RECORDED)), np.zeros(rows)
         self._guide = LEADS_NOT.copy() if guide is None else guide
+        if guide is None:
+            self._guide[EVERY] = every
         held = self.state, self.knowledge, self.levers, prepared.normals, self.recorded
         after = np.zeros(3) if places is None else places, self._guide, self.clock
         self._arrays = held, after  # kept: the kernel holds their addresses
