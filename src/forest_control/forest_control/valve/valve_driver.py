@@ -51,7 +51,9 @@ HELD = 1e-6  # [V] command below which the actuator is to be held: above the ser
 LOWEST_PORT = 1e6  # [Pa] below tank: behind a long hose a port may read less than zero for a moment
 SOONEST = 0.0025  # [s] between two commands at the least, whatever the stamps say: half a period
 FORGOTTEN = 0.3  # [s] time constant with which a late voltage is forgotten; chosen, not measured
-BORNE = 0.8  # [rad/s] low-pass of what the swing bears at rest, a twentieth of its rocking at 2.3 Hz; chosen
+BORNE = (
+    0.4  # [rad/s] low-pass of what the swing bears at rest: a swing that cycles at 2.8 Hz feigns none; chosen
+)
 
 
 class State(NamedTuple):
@@ -207,7 +209,7 @@ def _fed(
     """Return the hold a step on, and the command [V] that passes, with what leaks.
 
     A leaking motor under load must be fed to stand still, by however small a command; zero is zero.
-    While the swing is held what it bears at rest counts, as its weight on a slope: not its rocking after a stop.
+    While the swing is held what it bears at rest counts, as its weight on a slope, and not its rocking.
     """
     axis, held, scale = p.axes[i], abs(command) < HELD, _leakage(p.axes[i])
     borne = scale * _borne_at_rest(state, position, axis) if i == 0 else 0.0
