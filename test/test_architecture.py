@@ -136,6 +136,13 @@ def test_the_description_needs_only_numpy_and_yaml():
     }
 
 
+@pytest.mark.parametrize("package", PACKAGES)
+def test_scipy_loads_its_parts_where_they_are_used(package):
+    """`import scipy` alone does that: `scipy.stats` takes a second, before any command has begun."""
+    part = re.compile(r"^\s*(from|import) scipy\.|^\s*from scipy import", re.MULTILINE)
+    assert [path for path in modules(package) if part.search(path.read_text("utf-8"))] == []
+
+
 def test_only_the_derivation_of_equations_needs_sympy():
     users = {
         path.stem

@@ -12,6 +12,7 @@ In the order in which data passes:
 - `latency`: What late links cost.
 - `log_work`: Logs from the ground to the bunk and back, by a simulated operator.
 - `sweep`: Thousands of closed loops at once, from one file.
+- `notebook`: The closed loop from a notebook: a machine, a loop, a trace of a run, its picture.
 - `logs`: The log-moving benchmark: what tip control brings, over persons, with intervals.
 - `stability`: How far the position loops are from instability: Bode plots and margins.
 - `delay_node`: A bad link as a node: what it hears on `topic_in` it says on `topic_out`, later, jittered,

@@ -80,17 +80,19 @@ def test_a_worker_that_is_killed_loses_nothing_and_a_stopped_study_goes_on(tmp_p
     out, read = tmp_path / "out", read_study(study)
     store = sweep_command.Store(out, read)
     todo = batches(list(runs(read)), 2, 25)
-    with cluster(None, 1) as own, cluster(own.scheduler.address, None) as client:
-        (pid,) = client.run(os.getpid).values()
-        found = results(client, read.kind, read.common, todo)
-        store.add(next(found))
-        os.kill(pid, signal.SIGKILL)
-        rows = next(found)
-        store.add(rows)
-    assert all(row["error"] is None for row in rows)
-    done = store.done()
-    assert 0 < len(done) < 12
-    assert main(["sweep", str(study), "--out", str(out), "--workers", "1"]) == 0
+    with cluster(None, 1) as own:
+        address = own.scheduler.address
+        with cluster(address, None) as client:
+            (pid,) = client.run(os.getpid).values()
+            found = results(client, read.kind, read.common, todo)
+            store.add(next(found))
+            os.kill(pid, signal.SIGKILL)
+            rows = next(found)
+            store.add(rows)
+        assert all(row["error"] is None for row in rows)
+        done = store.done()
+        assert 0 < len(done) < 12
+        assert main(["sweep", str(study), "--out", str(out), "--scheduler", address]) == 0
     told = capsys.readouterr().out
     assert f"{12 - len(done)} runs of 12" in told
     table = parquet.read_table(out / "runs.parquet")
@@ -100,9 +102,8 @@ def test_a_worker_that_is_killed_loses_nothing_and_a_stopped_study_goes_on(tmp_p
     assert about[b"study"].decode() == TEXT
     assert "numpy" in json.loads(about[b"made_by"])["versions"]
     assert json.loads((out / "summary.json").read_text("utf-8"))["runs"] == 12
-    assert (
-        main(["sweep", str(study), "--out", str(out)]) == 0
-    )  # whole: nothing is run, and the table told anew
+    # Whole: nothing is run, and the table told anew.
+    assert main(["sweep", str(study), "--out", str(out)]) == 0
     assert "runs of" not in capsys.readouterr().out
 
 

@@ -45,8 +45,8 @@ AxisValues = tuple[float, ...]  # in the order of `OF_AXIS`
 class Sums(NamedTuple):
     """One axis within a bin."""
 
-    position: float = 0.0
-    valve_1: float = 0.0
+    position: float = 0.0  # [rad; m]
+    valve_1: float = 0.0  # [Pa] at the valve's port, and at the actuator's
     at_1: float = 0.0
     valve_2: float = 0.0
     at_2: float = 0.0
@@ -141,7 +141,7 @@ def _inflow(
 
 
 def mean_of(s: Sums, n: float) -> Sums:
-    """Return a bin's means; samples and ways of the voltage stay sums."""
+    """Return the means of a bin of n samples; samples and ways of the voltage stay sums."""
     return Sums(
         position=s.position / n,
         valve_1=s.valve_1 / n,

@@ -59,7 +59,12 @@ def alarms(state: State, p: Parameters) -> Alarms:
 
 
 def out_from_the_start(references: Sequence[float], limits: Sequence[Limits]) -> list[str]:
-    """Return the residuals whose reference is beyond what a healthy machine may be off."""
+    """Return the residuals whose reference is beyond what a healthy machine may be off.
+
+    Args:
+        references: of the tests, in the order and units of `residuals.NAMES`.
+        limits: of the same.
+    """
     rows = zip(NAMES, references, limits, strict=True)
     return [name for name, mean, of in rows if of.tolerance > 0.0 and abs(mean) > of.tolerance]
 

@@ -47,7 +47,7 @@ class Parameters(NamedTuple):
 
 
 def parameters(machine: Machine) -> Parameters:
-    """Return the monitor's numbers of a machine."""
+    """Return the monitor's numbers of a machine, in SI units but for volts at the valves."""
     plant = plant_parameters(machine)
     swing, boom, stick = (_axis(machine, plant, i) for i in range(3))
     kind_of = {channel: kind.name for kind in KINDS for channel in kind.channels}

@@ -40,11 +40,11 @@ class Machine(NamedTuple):
     time: float = 0.0  # [s] in the bin
     samples: float = 0.0
     primed: int = 0
-    supply: float = 0.0  # sums within the bin
-    drain: float = 0.0
-    flow_1: float = 0.0
+    supply: float = 0.0  # [Pa], as a sum within the bin, like the next ones
+    drain: float = 0.0  # [m^3/s]
+    flow_1: float = 0.0  # [m^3/s]
     flow_2: float = 0.0
-    length_1: float = 0.0
+    length_1: float = 0.0  # [m]
     length_2: float = 0.0
     over_supply: float = 0.0  # sums over `SPAN`
     over_drain: float = 0.0

@@ -52,7 +52,7 @@ class Readings(NamedTuple):
 
 
 def channels(r: Readings) -> tuple[float, ...]:
-    """Return the readings in the order of `CHANNELS`."""
+    """Return the readings in the order of `CHANNELS` [`COUNT`]: rad, m, Pa, V, m^3/s."""
     return (
         *r.angles,
         *r.lengths,

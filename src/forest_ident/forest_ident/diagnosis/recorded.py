@@ -55,7 +55,7 @@ class Sample(NamedTuple):
 
 
 def readings_of(row: list[float]) -> Readings:
-    """Return the readings of the numbers of `PARTS`, one after the other."""
+    """Return the readings of the numbers of `PARTS`, one after the other, in the topics' units."""
     volts = [0.0 if math.isnan(x) else x for x in row[0:3]]  # a driver that is silent opens nothing
     angles, lengths, ports = row[3:6], row[6:8], row[8:20]
     spools, flows, learnt = row[21:24], row[26:28], row[28:]

@@ -29,7 +29,7 @@ class Residuals(NamedTuple):
 
 
 def updated(before: Residuals, r: Readings, p: Parameters, dt: float) -> Residuals:
-    """Return the residuals after a sample, dt [s] after the last one."""
+    """Return the residuals after a sample, dt [s] after the last one: in the order of `NAMES`, else NaN."""
     axes = (
         axis_residuals.sampled(before.axes[0], 0, r, p, dt),
         axis_residuals.sampled(before.axes[1], 1, r, p, dt),

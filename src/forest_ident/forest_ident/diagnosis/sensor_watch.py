@@ -29,7 +29,7 @@ UNSEEN = Sensor()
 
 
 def heard(s: Sensor, reading: float) -> Sensor:
-    """Return a sensor after a sample."""
+    """Return a sensor after a sample: its reading in any unit, NaN for none."""
     if math.isnan(reading):
         return s
     changed = 0.0 if reading == s.last else 1.0
@@ -54,5 +54,5 @@ def is_frozen(s: Sensor) -> bool:
 
 
 def is_missing(s: Sensor, fitted: int) -> bool:
-    """Tell whether a sensor that was there, or that the machine file has, gives no readings."""
+    """Tell whether a sensor that was there, or that the machine file has (fitted: 1), gives no readings."""
     return s.gone >= GONE and (s.was_there > 0.0 or fitted == 1)

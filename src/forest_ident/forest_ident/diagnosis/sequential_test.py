@@ -46,7 +46,7 @@ NEW = Test()
 
 
 def tested(before: Test, z: float, p: Limits) -> Test:
-    """Return the sums after a residual; NaN leaves them."""
+    """Return the sums [1] after a residual z, in the unit of the limits' spread; NaN leaves them."""
     if math.isnan(z):
         return before
     seen, mean = before.seen + 1.0, before.mean
@@ -61,5 +61,5 @@ def tested(before: Test, z: float, p: Limits) -> Test:
 
 
 def score(test: Test, p: Limits) -> float:
-    """Return the greater sum over the threshold, with its side's sign: an alarm from 1 on."""
+    """Return the greater sum over the threshold [1], with its side's sign: an alarm from 1 on."""
     return (test.high if test.high >= test.low else -test.low) / p.threshold

@@ -16,7 +16,7 @@ falls. Between the file's knots it is straight. Flows at the meter's floor are l
 from collections.abc import Sequence
 
 import numpy as np
-import scipy.optimize
+import scipy
 
 from forest_description.components.valve_parameters import FlowCurve, Valve
 from forest_description.machine import Machine

@@ -17,7 +17,7 @@ from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
 import numpy as np
-from scipy.linalg import block_diag
+import scipy
 
 from forest_description.types import Floats
 
@@ -71,7 +71,7 @@ class GaussianEstimate(NamedTuple):
         return GaussianEstimate(
             (*kept.names, *new.names),
             np.concatenate([kept.mean, new.mean]),
-            block_diag(kept.covariance, new.covariance)[: len(kept.names) + len(new.names)],
+            scipy.linalg.block_diag(kept.covariance, new.covariance)[: len(kept.names) + len(new.names)],
             np.vstack([kept.moves(kept.names, count), new.moves(new.names, count)]),
         )
 

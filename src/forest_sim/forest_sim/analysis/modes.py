@@ -47,8 +47,9 @@ from forest_sim.hydraulics.pump_drive import PumpState
 from forest_sim.hydraulics.spool_dynamics import STUCK, Spool, Spools
 from forest_sim.hydraulics.supply import SupplyState
 from forest_sim.mechanics.end_stop import NO_STOP, UNCUSHIONED
+from forest_sim.solver.compiled_plant import ready_advance
 from forest_sim.solver.equilibrium import equilibrium
-from forest_sim.solver.integrator import Simulation, ports_of, step
+from forest_sim.solver.integrator import Simulation, advance, ports_of
 
 DIFFERENCE = (1e-6, 1e-6, 10.0, 10.0, 1e-8, 1e-8)  # rad, rad/s, Pa, m^3/s: rounding and curvature both small
 DRIVE_PARTS = ("motor", "motor", "links")  # of `DriveState`
@@ -112,15 +113,16 @@ def operating_point(angles: Vec3, spools: Vec3, p: PlantParameters) -> Simulatio
     rest = equilibrium(angles, p)
     one, two, three = (Spool(position, 0.0, position) for position in spools)
     held = rest._replace(spools=(one, two, three), history=held_commands(spools))
-    still = (
+    valves = (
         p.valves[0]._replace(lag=STUCK),
         p.valves[1]._replace(lag=STUCK),
         p.valves[2]._replace(lag=STUCK),
     )
     if all(is_shut(a.port_1) and is_shut(a.port_2) for a in ports_at(held.spools, p)):
         return held
+    still, move = p._replace(valves=valves), ready_advance() or advance
     for _ in range(round(SETTLING / SETTLING_STEP)):
-        after = step(held, spools, SETTLING_STEP, p._replace(valves=still))
+        after = move(held, spools, SETTLING_STEP, 1, still)
         plant = _brought_back(after.plant, angles, p)
         held = held._replace(plant=plant, amid=after.amid._replace(jets=held.amid.jets))
     return held

@@ -89,9 +89,7 @@ class Prepared(NamedTuple):
             if row in loads:
                 session.change_load(loads[row])
         made = session.row
-        columns = np.split(session.recorded[:made], (3, 6, 9, 12, 15), axis=1)  # of `Happened`
-        moved = Trajectory(PERIOD * np.arange(made, dtype=np.float64), *columns)
-        return Led(moved, session.levers[:made], session.clock[:made])
+        return Led(session.moved, session.levers[:made], session.clock[:made])
 
 
 class Session:
@@ -122,6 +120,12 @@ class Session:
     def advance(self, rows: int) -> None:
         """Go on until so many rows are there, or the path ends."""
         self._kernel(*self._before, rows, *self._after, runtime_numbers.ctypes.data)
+
+    @property
+    def moved(self) -> Trajectory:
+        """What happened so far."""
+        columns = np.split(self.recorded[: self.row], (3, 6, 9, 12, 15), axis=1)  # of `Happened`
+        return Trajectory(PERIOD * np.arange(self.row, dtype=np.float64), *columns)
 
     def change_load(self, plant: PlantParameters) -> None:
         """Go on with the parameters of a machine whose head holds another log."""

@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
+import scipy  # its `stats` takes a second to load: only where it is used
 
 from forest_study.diagnosis.faults import CASES, FAULTS, HEALTH, SEVERITIES
 from forest_study.diagnosis.figures import TOLD
@@ -51,18 +52,15 @@ def rows_of(directories: Sequence[Path]) -> list[Row]:
 
 def per_hour(count: float, hours: float) -> Rate:
     """Return a Poisson rate; its interval is exact (Garwood), one-sided above where nothing was counted."""
-    from scipy import stats  # half a second
-
     tail = 0.5 * (1.0 - LEVEL) if count else 1.0 - LEVEL
-    low = stats.chi2.ppf(tail, 2.0 * count) / 2.0 / hours if count else 0.0
-    return Rate(count / hours, float(low), float(stats.chi2.ppf(1.0 - tail, 2.0 * count + 2.0) / 2.0 / hours))
+    low = scipy.stats.chi2.ppf(tail, 2.0 * count) / 2.0 if count else 0.0
+    high = scipy.stats.chi2.ppf(1.0 - tail, 2.0 * count + 2.0) / 2.0
+    return Rate(count / hours, float(low) / hours, float(high) / hours)
 
 
 def share(count: float, of: int) -> Rate:
     """Return a binomial share; its interval is exact (Clopper and Pearson)."""
-    from scipy import stats  # half a second
-
-    told = stats.binomtest(round(count), of).proportion_ci(LEVEL)
+    told = scipy.stats.binomtest(round(count), of).proportion_ci(LEVEL)
     return Rate(count / of, float(told.low), float(told.high))
 
 

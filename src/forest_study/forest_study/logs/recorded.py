@@ -11,7 +11,6 @@ from typing import NamedTuple
 import numpy as np
 
 from forest_bag.read.timeseries import Bag, NotInBag, Series, read_bag
-from forest_bag.storage.bag_files import BagError
 from forest_control.operator.levers import LEFT_X, LEFT_Y, RIGHT_Y
 from forest_description.geometry.kinematics import tip_position
 from forest_description.machine import Machine
@@ -35,12 +34,12 @@ def read(path: Path, machine: Machine) -> Recorded:
     """Return the run of a bag.
 
     Raises:
-        StudyError: the bag cannot be read, lacks a topic, or does not hold the task.
-        MachineError: the machine cannot be.
+        StudyError: the bag lacks a topic, or does not hold the task.
+        FileNotFoundError: there is no bag.
     """
     try:
         return recorded(read_bag(path), machine)
-    except (BagError, NotInBag) as error:
+    except NotInBag as error:
         raise StudyError(f"logs: {path}: {error}") from error
 
 
@@ -61,7 +60,7 @@ def recorded(bag: Bag, machine: Machine) -> Recorded:
     m = machine.manipulator
     _, _, grip, _ = chain(m, site, angles, head)
     number = np.clip(np.searchsorted(at, time, side="right"), 1, len(acts) - 1)
-    held = np.searchsorted(load.time_ns, time, side="right") - 1
+    held = np.searchsorted(load.time_ns, time, side="right") - 1  # 0 at least: the task begins with a change
     work = Work(
         machine=machine,
         site=site,
@@ -72,7 +71,7 @@ def recorded(bag: Bag, machine: Machine) -> Recorded:
         engine=_pump_work(time, bag.series(topics.SUPPLY)),
         number=number.astype(np.float64),
         part=_parts(grip[:, 2], number, site),
-        loaded=np.maximum(0.0, load.column("mass")[np.maximum(0, held)]) / site.log_mass,
+        loaded=load.column("mass")[held] / site.log_mass,
     )
     rows = np.minimum(np.searchsorted(time, at), len(time) - 1)
     away = [float(np.linalg.norm(grip[k] - np.array(leg.goal))) for k, leg in zip(rows, acts, strict=True)]

@@ -9,7 +9,7 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
-from scipy import stats
+import scipy  # its `stats` takes a second to load: only where it is used
 
 CONFIDENCE = 0.95
 
@@ -51,7 +51,7 @@ def difference(ours: Sequence[float], theirs: Sequence[float]) -> Difference:
         saved = 1.0 - math.exp(float(ratio[0])) if len(ratio) else math.nan
         return Difference(saved, math.nan, math.nan, math.nan, len(ratio))
     middle, half = float(ratio.mean()), _half(ratio)
-    p = float(stats.ttest_1samp(ratio, 0.0).pvalue) if ratio.any() else 1.0
+    p = float(scipy.stats.ttest_1samp(ratio, 0.0).pvalue) if ratio.any() else 1.0
     return Difference(
         1.0 - math.exp(middle), 1.0 - math.exp(middle + half), 1.0 - math.exp(middle - half), p, len(ratio)
     )
@@ -59,5 +59,5 @@ def difference(ours: Sequence[float], theirs: Sequence[float]) -> Difference:
 
 def _half(x: "np.ndarray[tuple[int, ...], np.dtype[np.float64]]") -> float:
     """Return half of the interval of a mean."""
-    t = float(stats.t.ppf(0.5 + 0.5 * CONFIDENCE, len(x) - 1))
+    t = float(scipy.stats.t.ppf(0.5 + 0.5 * CONFIDENCE, len(x) - 1))
     return t * float(x.std(ddof=1)) / math.sqrt(len(x))

@@ -10,7 +10,7 @@ from collections.abc import Iterator
 from typing import Any, NamedTuple
 
 import numpy as np
-from scipy.stats import qmc
+import scipy  # its `stats` takes a second to load: only where it is used
 
 from forest_description.types import Floats
 from forest_study.sweep.study import Study
@@ -41,9 +41,9 @@ def points(study: Study) -> Floats:
     if count == 0:
         return np.zeros((1, 0))
     if study.design == "latin_hypercube":
-        sample = qmc.LatinHypercube(count, seed=SEED).random(study.points)
+        sample = scipy.stats.qmc.LatinHypercube(count, seed=SEED).random(study.points)
     else:
-        a, b = np.split(qmc.Sobol(2 * count, seed=SEED).random(study.points), 2, axis=1)
+        a, b = np.split(scipy.stats.qmc.Sobol(2 * count, seed=SEED).random(study.points), 2, axis=1)
         mixed = [np.where(np.arange(count) == k, b, a) for k in range(count)]
         sample = np.concatenate([a, b, *mixed])
     low, high = np.array(list(study.ranges.values())).T

@@ -10,7 +10,7 @@ from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
-from scipy.stats import sobol_indices
+import scipy  # its `stats` takes a second to load: only where it is used
 
 from forest_description.types import Floats
 from forest_study.sweep.study import Study
@@ -59,7 +59,7 @@ def _sobol(study: Study, values: Floats) -> dict[str, Share]:
     first, total = [], []
     for one in by_point:
         parts = {"f_A": one[:1], "f_B": one[1:2], "f_AB": one[2:, None]}
-        found = sobol_indices(func=parts, n=study.points)
+        found = scipy.stats.sobol_indices(func=parts, n=study.points)
         first.append(np.ravel(found.first_order))
         total.append(np.ravel(found.total_order))
     pairs = zip(np.mean(first, axis=0).tolist(), np.mean(total, axis=0).tolist(), strict=True)

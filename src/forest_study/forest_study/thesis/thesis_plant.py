@@ -173,4 +173,11 @@ def _mean(a: Vec3, b: Vec3, c: Vec3, d: Vec3) -> Vec3:
 
 def _moved(state: State, slope: State, step: float) -> State:
     """Return state + step * slope."""
-    return State(*(moved(part, change, step) for part, change in zip(state, slope, strict=True)))
+    return State(
+        angles=moved(state.angles, slope.angles, step),
+        rates=moved(state.rates, slope.rates, step),
+        reference=moved(state.reference, slope.reference, step),
+        wished_tip=moved(state.wished_tip, slope.wished_tip, step),
+        ramped=moved(state.ramped, slope.ramped, step),
+        integral=moved(state.integral, slope.integral, step),
+    )
