@@ -212,6 +212,11 @@ def test_a_joint_that_has_proven_right_is_not_asked_again(joint, side):
     proven = after(FileCheck(), long, of(0.05 * side), of(3.0 * side))
     assert not is_wrong(after(proven, 5.0, **against))
     assert not is_wrong(after(FileCheck(), 5.0, of(-0.05 * side), of(1e-3 * side)))  # it only feeds leakage
+    held = {
+        "rates": of(-0.01 * side),
+        "command": of((0.04, 0.09, 0.11)[joint] * side),
+    }  # against what rocks it
+    assert not is_wrong(after(FileCheck(), 5.0, **held))
     # Nobody has opened a valve: the hydraulics are off, or the controller only looks on.
     assert not is_wrong(after(FileCheck(), 60.0, **against, opens=0.0))
 

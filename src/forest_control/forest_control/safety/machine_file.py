@@ -38,7 +38,7 @@ from forest_description.geometry.linkage import angle_at
 from forest_description.types import AXES, ZERO, Vec3
 
 PROVEN = 0.015  # [rad] way after which a joint goes where it is commanded, 0.1 m of the tip at 6 m; chosen
-COMMANDED = 0.002  # [rad/s] of u, from which a way counts: less may be leakage that is fed
+COMMANDED = 0.01  # [rad/s] of u, from which a way counts: less feeds leakage, or holds what rocks
 MISFIT = 0.03  # [rad] between length and angle: thrice what sensors' static errors give; chosen
 BORNE = 0.9  # [1] of the pump's pressure in the side that is fed, from which a load presses the boom back
 STRANGE = 0.3  # [s] for which lengths may not fit: samples of different moments, while nothing moves yet
