@@ -8,7 +8,7 @@ import pytest
 
 from forest_control.valve import valve_adaptation as adaptation
 from forest_control.valve import valve_driver_parameters
-from forest_control.valve.valve_adaptation import NO_ESTIMATE, DirectionEstimate, updated_estimate
+from forest_control.valve.valve_adaptation import NO_ESTIMATE, updated_estimate
 from forest_control.valve.valve_driver_parameters import Settings
 from forest_control.valve.valve_flow import AxisMeasurement, Yielding, opening_from_flow
 from forest_description.components.valve_characteristic import TABLE, Curve, Direction, ValveLaw, edges
@@ -135,15 +135,6 @@ def test_an_open_valve_without_motion_widens_the_deadband_until_something_moves(
     assert tops[0] == 0.0
     assert 0.1 < max(tops) < 0.15 + 0.1 * adaptation.SEARCH
     assert tops[-1] == pytest.approx(0.15, abs=0.02)
-
-
-def test_a_flow_that_is_missing_widens_a_deadband_that_was_thought_sure():
-    """Learnt together, a lower gain would stand for it, and the deadband would go to its least."""
-    sure = DirectionEstimate(p_dd=0.02, p_dk=-0.12, p_kk=0.95)
-    shut = FILE.forward.deadband_voltage + 0.15
-    before, noise = NO_ESTIMATE._replace(forward=sure), P.flows[0].position_noise
-    after = run(SWING, law(forward=(0.2, 1.0)), [shut] * 300, noise, learner=before).forward
-    assert after.deadband == pytest.approx(0.15, abs=0.01)
 
 
 def test_a_dead_valve_is_searched_no_further_than_allowed():

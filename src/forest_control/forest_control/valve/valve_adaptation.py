@@ -173,19 +173,16 @@ def _update(
     expected = (excess - share * way.deadband) / (1.0 + way.stretch)
     noise = span * math.sqrt(opening_variance(low, flow, dt))
     late = LAG_SPREAD * BANDWIDTH * abs(low.excess_1 - low.excess_2)  # [V] the low-pass' own rate of change
-    missing = x < CLEAR * noise and expected - x > CLEAR * (noise + late)
     if noise < FINE * DEADBAND_SPREAD and way.p_dd > UNSURE and x < CLEAR * noise:
         searching = way.p_dd == 1.0 and way.deadband > 0.0
-        if searching or missing:
+        if searching or expected - x > CLEAR * (noise + late):
             wider = max(way.deadband, excess / share) + SEARCH * dt
             return way._replace(deadband=min(a.deadband_range, wider))
         return way
     model, slope = MODEL_VOLTS + MODEL_SHARE * abs(x), 1.0 + way.stretch
     variance = ((noise * noise + model * model) * slope * slope + late * late) * correlated_samples(dt)
     error = excess - share * way.deadband - (1.0 + way.stretch) * x
-    # A flow that should show, and does not, tells nothing of the gain: the overlap is wider.
-    told = 0.0 if missing else max(0.0, expected)
-    return _bounded(_least_squares(way, share, told, error, variance, a, dt), edge, a)
+    return _bounded(_least_squares(way, share, max(0.0, expected), error, variance, a, dt), edge, a)
 
 
 def _least_squares(
