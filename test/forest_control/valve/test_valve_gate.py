@@ -113,7 +113,7 @@ def test_loads_and_mean_pressures_are_those_of_their_own_ports_behind_their_low_
     assert state.means[axis] == pytest.approx(mean(before))
     for _ in range(11):
         state, _ = valve_driver.step(state, ZERO, told(after), STILL, p, PERIOD)
-    left, filling, borne = (math.exp(-rate * 11 * PERIOD) for rate in (2.0 * math.pi, 60.0, 1.5))
+    left, filling, borne = (math.exp(-rate * 11 * PERIOD) for rate in (2.0 * math.pi, 60.0, 0.4))
     assert state.loads[axis] == pytest.approx(load(after) + left * (load(before) - load(after)))
     assert state.means[axis] == pytest.approx(mean(after) + filling * (mean(before) - mean(after)))
     if axis == 0:
@@ -121,7 +121,7 @@ def test_loads_and_mean_pressures_are_those_of_their_own_ports_behind_their_low_
         slow = load(before)
         for weight in weights:
             swing = load(before) + weight * (load(after) - load(before))
-            slow += (1.0 - math.exp(-1.5 * PERIOD)) * (swing - slow)
+            slow += (1.0 - math.exp(-0.4 * PERIOD)) * (swing - slow)
         assert state.borne == pytest.approx(slow)
         assert abs(slow - load(before)) < (1.0 - borne) * abs(load(after) - load(before))
     state, _ = valve_driver.step(state, ZERO, UNSEEN, STILL, p, PERIOD)
@@ -277,33 +277,48 @@ def held(load, borne, command=1e-9, p=None, **state):
 
 
 @both_ways
-def test_a_weight_that_the_swing_has_borne_for_long_is_fed_and_a_load_that_comes_and_goes_is_not(sign):
+def test_what_the_swing_bears_at_rest_is_fed_while_it_is_held_and_a_load_that_comes_and_goes_is_not(sign):
     load = sign * 1e4
-    for borne, fed in (
-        (1.0, True),
-        (0.53, True),
-        (1.9, True),
-        (0.47, False),
-        (2.1, False),
-        (-1.0, False),
-        (0.0, False),
-    ):
-        for command in (1e-9, -1e-9, 0.9e-6, -0.9e-6):
-            assert (sign * held(load, borne * load, command) > 1.0) == fed, (borne, command)
+    for command in (1e-9, -1e-9, 0.9e-6, -0.9e-6):
+        for loads in (load, -load, 0.0):
+            assert sign * held(loads, load, command) > 1.0  # its weight, whatever rocks
+            assert held(loads, 0.0, command) == 0.0
     assert held(load, load, 0.0) == 0.0  # none is none
     for command in (1.1e-6, -1.1e-6, sign * 0.5, -sign * 0.5):  # a wish meets the load as it is
         assert held(load, 0.0, command) == held(load, load, command) != 0.0
 
 
-@pytest.mark.parametrize(
-    ("load", "borne", "weight"),
-    [
-        *((0.5, 0.5, 0.5), (-0.5, -0.6, -0.5), (1e4, 1e4, 1e4)),
-        *((1e4, 0.0, 0.0), (0.0, 1e4, 0.0), (0.4, -0.4, 0.0), (1e4, 1e3, 0.0), (1.0, 3.0, 0.0)),
-    ],
-)
-def test_a_weight_is_the_load_while_both_agree_and_none_else_however_small_they_are(load, borne, weight):
-    assert valve_driver._steady_load(load, borne) == weight
+@both_ways
+def test_friction_of_a_swing_that_turns_is_no_load_at_rest(sign):
+    """Steadily turning, it lags behind its low-pass by its rate over the corner."""
+    axis, rate = parameters().axes[0], sign * 0.05
+    state = REST._replace(borne=axis.damping * rate + sign * 2e3, place=1.0)
+    assert valve_driver._borne_at_rest(state, 1.0 + rate / 0.4, axis) == pytest.approx(sign * 2e3)
+    for place, position in ((math.nan, 1.0), (1.0, math.nan)):  # not measured
+        assert valve_driver._borne_at_rest(state._replace(place=place), position, axis) == state.borne
+
+
+def test_the_swings_place_is_low_passed_while_it_is_measured():
+    p, told = parameters(), Pressures((8e6, 5e6, 5e6), (8e6, 5e6, 5e6), parameters().supply_pressure)
+
+    def after(state, position, pressures=told):
+        return valve_driver.step(
+            state, ZERO, pressures, STILL._replace(positions=(position, 0.0, 0.0)), p, PERIOD
+        )[0]
+
+    state = after(REST, 0.5)
+    assert state.place == 0.5
+    state = after(state, 1.5)
+    assert state.place == pytest.approx(0.5 + 1.0 - math.exp(-0.4 * PERIOD))
+    assert math.isinf(after(state, math.nan).place)
+    assert math.isinf(after(state, 1.5, UNSEEN).place)
+
+
+def test_what_dry_friction_bears_is_not_fed():
+    for name, fed in (("c180_hoses", 0.002), ("c180", 0.00325)):
+        axes = valve_driver_parameters.axis_drivers(load_machine(name))
+        assert axes[0].least_fed == pytest.approx(fed, abs=5e-6)
+        assert [axis.damping for axis in axes[1:]] == [0.0, 0.0]
 
 
 @both_ways

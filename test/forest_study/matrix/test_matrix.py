@@ -129,9 +129,9 @@ def test_seeds_beyond_the_capacity_are_told_apart(inches):
 
 
 def test_the_last_lap_is_judged_by_which_the_driver_has_learnt(inches):
-    seed = 2
-    again = run_row(ROWS["inch"], REAL, [seed], adapt=True, laps=3)[0]
-    assert again.figures.end_mm < inches[seed].figures.end_mm
+    again = run_row(ROWS["inch"], REAL, range(5), adapt=True, laps=3)
+    first, last = ([one.figures.end_mm for one in outcomes] for outcomes in (inches, again))
+    assert np.median(last) < 0.8 * np.median(first)
 
 
 def test_an_inch_takes_half_a_second():

@@ -51,8 +51,7 @@ HELD = 1e-6  # [V] command below which the actuator is to be held: above the ser
 LOWEST_PORT = 1e6  # [Pa] below tank: behind a long hose a port may read less than zero for a moment
 SOONEST = 0.0025  # [s] between two commands at the least, whatever the stamps say: half a period
 FORGOTTEN = 0.3  # [s] time constant with which a late voltage is forgotten; chosen, not measured
-BORNE = 1.5  # [rad/s] low-pass of the swing's steady load, slower than its rocking at 2.3 Hz
-LASTING = 2.0  # [1] greatest ratio, either way, of the swing's load to its steady load; beyond, it passes
+BORNE = 0.4  # [rad/s] low-pass of what the swing bears at rest: one that cycles at 2.8 Hz feigns none; chosen
 
 
 class State(NamedTuple):
@@ -70,6 +69,7 @@ class State(NamedTuple):
     estimates: ValveEstimates = (NO_ESTIMATE, NO_ESTIMATE, NO_ESTIMATE)
     ahead: float = 0.0  # [s] for how long a voltage may stay in force
     borne: float = 0.0  # swing's load, low-passed more slowly [N m]
+    place: float = math.inf  # swing's position behind the same low-pass [rad]; infinite: not measured
 
 
 class Pressures(NamedTuple):
@@ -123,7 +123,7 @@ def step(
             commands come so close behind others that those never took effect.
     """
     measured = plausible(pressures, p)
-    state = _filter_loads(state, pressures, measured, p, dt)
+    state = _filter_loads(state, pressures, motion.positions[0], measured, p, dt)
     if dt > 0.0:
         state = _moved_on(state, p, dt)
     if p.adapt and dt > 0.0:
@@ -184,7 +184,7 @@ def _axis(
     if not math.isfinite(command):
         return AxisMemory(SHUT, 0.0, False)
     if p.compensate:
-        hold, fed = _fed(i, command, state, p, dt)
+        hold, fed = _fed(i, command, position, state, p, dt)
         law = estimated_law(axis.valve, state.estimates[i]) if p.adapt else axis.valve
         mean = max(0.0, state.means[i]) if measured and axis.fills else -1.0
         wanted = 0.0
@@ -201,20 +201,36 @@ def _axis(
     return AxisMemory(hold, max(low, min(high, slewed)), saturated)
 
 
-def _fed(i: int, command: float, state: State, p: Parameters, dt: float) -> tuple[HoldState, float]:
+def _fed(
+    i: int, command: float, position: float, state: State, p: Parameters, dt: float
+) -> tuple[HoldState, float]:
     """Return the hold a step on, and the command [V] that passes, with what leaks.
 
     A leaking motor under load must be fed to stand still, by however small a command; zero is zero.
-    While the swing is held its weight on a slope counts, not its rocking after a stop.
+    While the swing is held what it bears at rest counts, as its weight on a slope, and not its rocking.
     """
-    axis, spool, held = p.axes[i], state.spools[i], abs(command) < HELD
-    load = _steady_load(state.loads[0], state.borne) if i == 0 and held else state.loads[i]
-    leaked = axis.valve.forward.rated_voltage * axis.slip * load / axis.rated_speed
+    axis, held, scale = p.axes[i], abs(command) < HELD, _leakage(p.axes[i])
+    borne = scale * _borne_at_rest(state, position, axis) if i == 0 else 0.0
+    leaked = borne if held else scale * state.loads[i]
     fed, least = command + leaked if command != 0.0 else 0.0, axis.least_fed
-    leaks = abs(leaked) > _least_leakage(leaked, spool, least)
+    leaks = abs(borne) > _least_leakage(borne, state.spools[i], least)
     opens = min(least, p.hold_zone) if leaks else p.hold_zone
-    side = math.copysign(1.0, leaked) if leaks else 0.0
+    side = math.copysign(1.0, borne) if leaks else 0.0
     return held_command(state.holds[i], fed, p.hold_zone, opens, side, p.command_noises[i], held, dt)
+
+
+def _leakage(axis: AxisDriver) -> float:
+    """Return the command that makes up for what leaks under a load [V per N m; N]."""
+    return axis.valve.forward.rated_voltage * axis.slip / axis.rated_speed
+
+
+def _borne_at_rest(state: State, position: float, axis: AxisDriver) -> float:
+    """Return the swing's steady load [N m] without its friction: that goes when it rests.
+
+    Else a valve that a wrong overlap opens too wide would keep itself open.
+    """
+    gone = position - state.place
+    return state.borne - axis.damping * BORNE * gone if math.isfinite(gone) else state.borne
 
 
 def _within_the_overlap(beyond: float, law: ValveLaw) -> float:
@@ -250,11 +266,6 @@ def _returned(command: float, axis: AxisDriver) -> float:
     return speed * axis.displacement_2 if speed > 0.0 else -speed * axis.displacement_1
 
 
-def _steady_load(load: float, borne: float) -> float:
-    """Return a load [N m] that is steady within `LASTING`, else 0."""
-    return load if load * borne > 0.0 and 1.0 / LASTING < load / borne < LASTING else 0.0
-
-
 def _least_leakage(leaked: float, spool: float, least: float) -> float:
     """Return the leakage [V] from which it is fed; less where it is fed already, against chatter."""
     return least if spool * leaked <= 0.0 else 0.75 * least
@@ -278,9 +289,13 @@ def plausible(pressures: Pressures, p: Parameters) -> bool:
     return True
 
 
-def _filter_loads(state: State, pressures: Pressures, measured: bool, p: Parameters, dt: float) -> State:
+def _filter_loads(
+    state: State, pressures: Pressures, position: float, measured: bool, p: Parameters, dt: float
+) -> State:
+    """Return the state with its loads and means a step on; position: of the swing [rad]."""
     if not measured:
-        return state._replace(loads=REST.loads, primed=False, means=REST.means, borne=REST.borne)
+        state = state._replace(loads=REST.loads, primed=False, means=REST.means)
+        return state._replace(borne=REST.borne, place=REST.place)
     weight = 1.0 - math.exp(-p.load_bandwidth * dt) if state.primed else 1.0
     fast = 1.0 - math.exp(-FILLING * dt) if state.primed else 1.0
     slow = 1.0 - math.exp(-BORNE * dt) if state.primed else 1.0
@@ -292,7 +307,15 @@ def _filter_loads(state: State, pressures: Pressures, measured: bool, p: Paramet
         primed=True,
         means=(swing[1], boom[1], stick[1]),
         borne=state.borne + slow * (swing[0] - state.borne),
+        place=_followed(state.place, position, slow),
     )
+
+
+def _followed(before: float, position: float, weight: float) -> float:
+    """Return the swing's low-passed position [rad]; infinite: not measured."""
+    if not math.isfinite(position):
+        return math.inf
+    return before + weight * (position - before) if math.isfinite(before) else position
 
 
 def _filtered(

@@ -18,8 +18,7 @@ from forest_description.types import Vec3
 from forest_msgs_py.runtime.parameter_table import Parameter, tunable
 from forest_msgs_py.types import PERIOD
 
-LEAST_FED = 0.001  # [V] leakage that is not fed: it lets the tip sink by under 1 mm/s
-MISJUDGED = 0.2  # [V] twice the error of an overlap that feeding must bear; chosen, not measured
+LEAST_FED = 0.002  # [V] leakage that is not fed: it lets the tip of the C-180 sink by 2 mm/s; chosen
 NOISY_SERVO = 35.0  # [1/s] seven standard deviations of the position through a servo's gain of 5 1/s
 
 
@@ -34,6 +33,7 @@ class AxisDriver(NamedTuple):
     ahead_square: float = 0.0  # [N s^2/m^2; N m s^2] loss with its square, hoses and open holding valves
     back_square: float = 0.0  # and backwards
     slip: float = 0.0  # [rad/s per N m] speed that the motor's leakage takes under load
+    damping: float = 0.0  # [N m s/rad] of what turns with the motor: a load while it turns, none at rest
     least_fed: float = 0.0  # [V] leakage from which it is fed
     spool: SpoolLaw = SpoolLaw()
     dither: float = 0.0  # [V] added by turns to every voltage that is not zero
@@ -167,6 +167,7 @@ def _axis_driver(machine: Machine, axis: int, speed: float, beyond_valve: bool, 
         ahead_square=square + check_1 + open_2,
         back_square=square + check_2 + open_1,
         slip=_slip(machine, axis),
+        damping=machine.swing.damping if axis == 0 else 0.0,
         least_fed=_least_fed(machine, axis),
         spool=_spool(machine, axis),
         dither=dither if dither >= 0.0 else 0.5 * _hysteresis(machine, axis),
@@ -250,11 +251,13 @@ def _slip(machine: Machine, axis: int) -> float:
 def _least_fed(machine: Machine, axis: int) -> float:
     """Return from how much leakage on [V] an actuator is fed that is held.
 
-    Friction is a load, too, which must not be taken for leakage. Otherwise a valve that a wrong
-    overlap opens too wide would keep itself open.
+    A load that dry friction bears moves nothing: what leaks under it must not be fed.
     """
-    feigned = _slip(machine, axis) * machine.swing.damping if axis == 0 else 0.0
-    return max(LEAST_FED, feigned * MISJUDGED)
+    friction = machine.swing.friction if axis == 0 else None
+    if friction is None:
+        return LEAST_FED
+    speed = _slip(machine, axis) * friction.breakaway_torque
+    return max(LEAST_FED, machine.valve_of(axis).rated_voltage * speed / rated_speeds(machine)[axis])
 
 
 def command_noise(machine: Machine, axis: int) -> float:

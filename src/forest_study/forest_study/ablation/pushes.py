@@ -67,8 +67,7 @@ def activity(voltages: Floats) -> float:
 def rest(moved: Trajectory) -> Rest:
     """Return what was left of a push."""
     first, window = round(QUIET / PERIOD), round(0.5 / PERIOD)
-    error = moved.tip_error() - moved.tip_error()[round(PUSHED / PERIOD)]
-    sums = np.cumsum(error[first:], axis=0)
+    sums = np.cumsum(moved.tip_error()[first:], axis=0)
     means = (sums[window:] - sums[:-window]) / window
     told = sliding_window_view(moved.voltages[first:], DITHERED, axis=0).mean(axis=-1)
     return Rest(activity(told), float(np.linalg.norm(means, axis=1).max()))
