@@ -31,6 +31,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "test" / "helpers")
 from foreign_plants import STRUCTURES, TOLD, Foreign, foreign
 
 from forest_control.servo.schemes import scheme_named
+from forest_control.taught.tip_path import PathError
 from forest_description.machine import Machine
 from forest_ident.driving.simulated_experiment import experiment
 from forest_ident.experiments import experiment_plan
@@ -109,14 +110,20 @@ def _looks_like(result: Result, refined: Refined) -> Told:
 
 
 def _tip(name: str, plant: Foreign, found: Machine, seed: int) -> list[float]:
-    """Return the tip's RMS [mm] to the reference with the identified, the exact and the told file."""
-    files, scheme = (found, plant.crane, plant.told), scheme_named("coordinated")
-    suites = (noisy(plant.crane, seed) for _ in files)
-    runs = [
-        track(path_named(name), SPEED, scheme, plant.crane, model, suite)
-        for model, suite in zip(files, suites, strict=True)
-    ]
-    return [round(run.total.governed_rms_mm, 3) for run in runs]
+    """Return the tip's RMS [mm] to the reference with the identified, the exact and the told file.
+
+    It is inf with a file that does not bring the tip to the path's end.
+    """
+    path, scheme = path_named(name), scheme_named("coordinated")
+
+    def rms(model: Machine) -> float:
+        try:
+            run = track(path, SPEED, scheme, plant.crane, model, noisy(plant.crane, seed))
+        except PathError:
+            return math.inf
+        return round(run.total.governed_rms_mm, 3)
+
+    return [rms(model) for model in (found, plant.crane, plant.told)]
 
 
 def row(structure: str, sessions: list[Told]) -> str:

@@ -77,3 +77,14 @@ def test_a_row_counts_intervals_that_hold_and_leaves_out_the_doubted(benchmark_m
 
 def test_a_crash_is_counted(benchmark_module):
     assert "2, 1 crashed" in benchmark_module.row("own", [session(), {"structure": "own", "crash": "why"}])
+
+
+def test_a_path_without_an_end_is_told_as_infinite_and_is_no_crash(benchmark_module, monkeypatch):
+    def endless(*_):
+        raise benchmark_module.PathError("the tip is not at the end")
+
+    monkeypatch.setattr(benchmark_module, "track", endless)
+    plant = foreign("own", 4)
+    assert benchmark_module._tip("sweep", plant, plant.told, 4) == [float("inf")] * 3
+    row = benchmark_module.row("own", [session(tip_mm={"sweep": [float("inf"), 1.0, 5.0]})])
+    assert row.split(" | ")[6] == "inf (5.0)"

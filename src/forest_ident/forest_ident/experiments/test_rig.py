@@ -24,6 +24,7 @@ from forest_description.components.hose import GeometricHose, MeasuredHose
 from forest_description.components.manipulator import Manipulator
 from forest_description.components.sensors import Sensors
 from forest_description.machine import Machine, load_machine
+from forest_description.types import AXES
 
 DISPLACEMENT = 0.05  # [m^3/rad] D
 INERTIA = 25.0  # [kg m^2] of the meter: an inertance of 1e4 Pa s^2/m^3, three thousandths of the hose's
@@ -31,6 +32,8 @@ WEIGHTLESS = 1e-6  # [kg] of boom and stick, whose inertia about the swing axis 
 TIGHT = 1e18  # [Pa s/m^3] leakage of the meter: none
 SHORT = 0.3  # [m] of hose between valve and load
 VALVE_LOAD, HOSE_LOAD = 1e8, 1.5e9  # [Pa s/m^3] R_L
+OF_THE_CRANE = ("chambers", "friction", "holding_1", "holding_2", "elasticity")
+"""What an actuator has on the crane alone: of idle cylinders it would take three fourths of a simulation."""
 LOAD_KEY = "swing.damping"
 """The load's number in a rig's machine: R_L D^2."""
 
@@ -92,12 +95,15 @@ def _bench(machine: Machine, axis: int, length: float, laminar: bool, load: floa
         hose=as_measured(machine, machine.hose_of(axis)),
         lower_limit=-20.0,
         upper_limit=20.0,
-        # The crane's motor, gear and column are not on the bench.
-        **dict.fromkeys(("chambers", "friction", "backlash", "holding_1", "holding_2", "elasticity")),
+        **dict.fromkeys((*OF_THE_CRANE, "backlash")),
     )
+    idle = {
+        name: dataclasses.replace(getattr(machine, name), **dict.fromkeys(OF_THE_CRANE)) for name in AXES[1:]
+    }
     return dataclasses.replace(
         machine,
         swing=drive,
+        **idle,
         manipulator=_nothing_to_move(machine.manipulator),
         sensors=meters(machine),
         port_valves=None,
