@@ -40,12 +40,11 @@ INLETS = np.array([[0, 4, 8], [2, 6, 10]])  # of twelve pressures: valve ports 1
 
 def ways(angles: Floats, machine: Machine) -> Floats:
     """Return how the actuators move between poses [rad]: [N - 1, 3] rad, m, m."""
-    boom, stick = ([cylinder_length(q, linkage) for q in angles[:, i]] for i, linkage in _cylinders(machine))
+    boom, stick = (
+        [cylinder_length(q, linkage) for q in angles[:, i]]
+        for i, linkage in enumerate(machine.linkages, start=1)
+    )
     return np.diff(np.column_stack([angles[:, 0], boom, stick]), axis=0)
-
-
-def _cylinders(machine: Machine) -> tuple[tuple[int, object], ...]:
-    return tuple(enumerate(machine.linkages, start=1))
 
 
 def taken_in(moved: Floats, machine: Machine) -> Floats:
