@@ -21,7 +21,7 @@ The regressor holds x as expected from the voltage: the measured x is noisy, whi
 downwards.
 
 A spool beyond the known deadband that moves nothing shows that the overlap is wider, but not how
-wide. So while the deadband is unsure, d goes up to where the spool stands: the servo takes it on.
+wide. So while the deadband is unsure, d is raised until something moves.
 """
 
 import math
@@ -52,10 +52,11 @@ LEAST_SHARE = 0.3  # [1] of the low-pass' memory in which the spool must have be
 PURITY = 0.95  # [1] of that, in this one direction and measurable: directions must not mix
 MODEL_VOLTS = 0.005  # [V] standard deviation of the valve's law itself; chosen, not measured
 MODEL_SHARE = 0.02  # [1] the same as a share of x; chosen, not measured
-UNSURE = 0.25  # [1] of the deadband's first variance: above it, d is raised, as above; chosen
+UNSURE = 0.25  # [1] of the deadband's first variance: above it, d is searched, as above; chosen
 CLEAR = 4.0  # [1] standard deviations that a flow, or its absence, must show: one in 16 000 by chance
 FINE = 0.35  # [1] of DEADBAND_SPREAD: a noisier flow cannot tell its absence; chosen
 LAG_SPREAD = 0.006  # [s] by which a spool may be slower or quicker than its file says; chosen
+SEARCH = 1.0  # [V/s] at which d is raised: the low-pass is 30 ms late, so d ends 30 mV too wide
 
 
 class AdaptationParameters(NamedTuple):
@@ -175,7 +176,8 @@ def _update(
     if noise < FINE * DEADBAND_SPREAD and way.p_dd > UNSURE and x < CLEAR * noise:
         searching = way.p_dd == 1.0 and way.deadband > 0.0
         if searching or expected - x > CLEAR * (noise + late):
-            return way._replace(deadband=min(a.deadband_range, max(way.deadband, excess / share)))
+            wider = max(way.deadband, excess / share) + SEARCH * dt
+            return way._replace(deadband=min(a.deadband_range, wider))
         return way
     model, slope = MODEL_VOLTS + MODEL_SHARE * abs(x), 1.0 + way.stretch
     variance = ((noise * noise + model * model) * slope * slope + late * late) * correlated_samples(dt)
