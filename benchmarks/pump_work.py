@@ -12,6 +12,7 @@ least of any control; what moves to and fro beside it comes on top. The tip is l
 | throttled | of that, what the edges to the inlets and the load-sensing pump's margin take [kJ/m] |
 | off | the tip's distance from the path, RMS [mm] |
 
+Poses are 25 ms apart: motion to and fro above 20 Hz is not seen. Leakage is left out.
 A load-sensing pump's pressure is taken as its margin over the greatest inlet's, any other's as constant.
 """
 
