@@ -93,7 +93,7 @@ def test_what_is_not_weighed_counts_as_all_that_is_allowed():
 
 
 def test_the_numbers_are_what_the_documents_promise():
-    assert (load_moment.WARNED, load_moment.FULL, load_moment.APPROACH) == (0.9, 1.0, 1.0)
+    assert (load_moment.WARNED, load_moment.APPROACH) == (0.9, 1.0)
     empty = Loading(0.0, 5.0, 1000.0, 0.0)
     assert allowed_speed(empty) == math.inf
     assert allowed_speed(empty._replace(share=0.8)) == pytest.approx(5.0 * (1.0 / 0.8 - 1.0))

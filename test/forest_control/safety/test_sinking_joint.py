@@ -8,7 +8,7 @@ import pytest
 from forest_control.config import controller_settings
 from forest_control.limits.velocity_scaling import Limit
 from forest_control.operator.levers import Levers, levers_for_tip_velocity
-from forest_control.safety.sinking_joint import LAGS, LONG, WAY, Sinking, is_overloaded, objection, watched
+from forest_control.safety.sinking_joint import LONG, WAY, Sinking, is_overloaded, objection, watched
 from forest_control.valve import valve_driver_parameters
 from forest_description.derived.limits import pose_at
 from forest_description.geometry.kinematics import tip_velocity
@@ -214,7 +214,7 @@ def test_each_joint_in_either_direction_by_way_and_time(joint, name, side):
     def of(value):
         return tuple(value if i == joint else 0.0 for i in range(3))
 
-    long = LONG[joint] + LAGS * P.speed_limits.axes[joint].spool.lag
+    long = LONG[joint] + P.speed_limits.axes[joint].spool.lag
     quick, slow = 2.0 * WAY / long, 0.5 * WAY / long
     sunk = gone(of(-side * quick), of(side * 8.0), long + 2.0 * PERIOD)
     assert is_overloaded(sunk)

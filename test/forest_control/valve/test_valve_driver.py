@@ -299,17 +299,6 @@ def test_a_command_that_is_no_number_centres_its_valve(bad):
     assert volts[2] < -1.0
 
 
-def test_the_slew_limit_bounds_every_change_and_none_is_the_default():
-    p, state, last = parameters(slew_limit=100.0), REST, ZERO_COMMAND
-    rng = np.random.default_rng(22)
-    for _ in range(200):
-        command = tuple(rng.uniform(-10.0, 10.0, 3).tolist())
-        state, volts = valve_driver.step(state, command, UNSEEN, STILL, p, PERIOD)
-        assert max(abs(v - w) for v, w in zip(volts, last, strict=True)) <= 100.0 * PERIOD + 1e-12
-        last = volts
-    assert voltage(0, 9.0) == pytest.approx(9.1)
-
-
 def test_dither_swings_about_the_voltage_and_leaves_a_shut_valve_alone():
     p, state, seen = parameters(dither_frequency=25.0), REST, []
     p = p._replace(axes=tuple(axis._replace(dither=0.2) for axis in p.axes))

@@ -252,18 +252,6 @@ def test_what_is_no_number_shuts_its_valve_and_forgets_that_it_was_open(axis, ba
     assert state.saturated == on_axis(axis, False, True)
 
 
-def test_a_slew_limit_counts_from_the_last_voltage_and_lets_none_change_in_no_time():
-    p = parameters(slew_limit=100.0, beyond_valve=False)
-    for sign in (1.0, -1.0):
-        state, volts = valve_driver.step(REST, (sign * 9.0,) * 3, UNSEEN, STILL, p, PERIOD)
-        assert volts == pytest.approx((sign * 0.5,) * 3)
-        again, same = valve_driver.step(state, (-sign * 9.0,) * 3, UNSEEN, STILL, p, 0.0)
-        assert same == volts
-        assert valve_driver.step(again, (-sign * 9.0,) * 3, UNSEEN, STILL, p, PERIOD)[1] == pytest.approx(
-            ZERO, abs=1e-12
-        )
-
-
 # --- a swing that is held -------------------------------------------------------------------------
 
 

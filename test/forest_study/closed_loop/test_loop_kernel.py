@@ -66,7 +66,7 @@ def test_every_scheme_is_the_interpreted_loop_to_the_last_bit(scheme):
 
 
 def test_so_is_position_mode_and_a_driver_with_all_it_has():
-    drive = valve_driver_parameters.Settings(adapt=True, slew_limit=500.0, dither_amplitude=0.1)
+    drive = valve_driver_parameters.Settings(adapt=True, dither_amplitude=0.1)
     assert_same(controller_settings.Settings(mode=Mode.POSITION), drive, seed=1)
 
 

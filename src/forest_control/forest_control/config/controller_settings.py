@@ -6,7 +6,7 @@ from typing import Annotated, NamedTuple
 from forest_control.limits.actuator_speed_limits import SpeedLimitParameters, speed_limit_parameters
 from forest_control.limits.load_moment import Capacity, capacity
 from forest_control.limits.load_weighing import WeighingParameters, weighing_parameters
-from forest_control.limits.singularity import BENT
+from forest_control.limits.singularity import ASIDE, BENT
 from forest_control.limits.velocity_scaling import NO_AXIS, NO_STROKE, Axis, Pumps, Stroke, VelocityLimits
 from forest_control.limits.workspace import OPEN, Workspace
 from forest_control.operator.operator_profile import Frame, Mode, OperatorProfile
@@ -32,7 +32,6 @@ HOLD_ERROR = 1.5e-4  # [rad] at which a resting joint holds, 1 mm of the tip: ab
 RELEASE_ERROR = 3e-4  # [rad] at which it moves again: 2 mm of the tip
 INCH = 0.03  # [1] of the rated speed, for an inch: over the command's noise; chosen
 OVER_NOISE = 1.25  # [1] times the command's noise, at the least: the driver must take an inch for motion
-CLOSEST = 0.03  # [1] of the arm's length: how near the tip comes to the swing axis in tip schemes; chosen
 BY_RULE: Vec3 = (-1.0, -1.0, -1.0)  # [1/s] or the gain's own unit: below zero the machine's rule gives it
 FLOW_RESERVE = 0.95  # [1] of the pumps' flow: leakage and the loads' oil need the rest; chosen
 
@@ -230,7 +229,7 @@ def _governor(machine: Machine, settings: Settings) -> VelocityLimits:
     axis = NO_AXIS
     if settings.scheme != Scheme.JOINT:
         lower[2], upper[2] = _regular(lower[2], upper[2])
-        axis = Axis(links, CLOSEST * (links.boom + links.stick))
+        axis = Axis(links, ASIDE * (links.boom + links.stick))
     pumps = Pumps(
         limit=FLOW_RESERVE * machine.pump.flow_limit,
         extending=(displaced[0][0], displaced[1][0], displaced[2][0]),

@@ -31,7 +31,6 @@ from forest_description.types import Vec3
 
 APPROACH = 1.0  # [1/s] k: the weighing lags by 1.1 s, and a quicker approach would overshoot; chosen
 WARNED = 0.9  # [1] of U, from which a person is warned: usual of rated capacity limiters
-FULL = 1.0  # [1] of U, at which only what unloads passes
 BELIEVED = 1.25  # [1] greatest U that is believed: the static test of EN 12999; broken transducers read more
 
 
@@ -61,7 +60,7 @@ def loading(mass: float, q: Vec3, links: Links, c: Capacity) -> Loading:
     if allowed == math.inf:
         return Loading(mass, reach, allowed, 0.0)
     ahead = links.boom * math.cos(q[1]) + links.stick * math.cos(q[1] + q[2])
-    unknown = FULL if ahead >= LEAST_LEVER else 0.0  # nearer, nothing can be weighed
+    unknown = 1.0 if ahead >= LEAST_LEVER else 0.0  # nearer, nothing can be weighed
     share = unknown if math.isnan(mass) else max(0.0, mass) / allowed
     return Loading(mass, reach, allowed, share)
 
@@ -132,7 +131,7 @@ def allowed_speed(load: Loading) -> float:
     """Return how fast a motion may load [m/s]."""
     if load.share <= 0.0:  # an empty head weighs nothing
         return math.inf
-    return max(0.0, APPROACH * load.reach * (FULL / load.share - FULL))
+    return max(0.0, APPROACH * load.reach * (1.0 / load.share - 1.0))
 
 
 def capacity(machine: Machine) -> Capacity:

@@ -16,7 +16,7 @@ from forest_description.geometry.kinematics import Links, is_singular, joint_rat
 from forest_description.types import Vec3
 
 BENT = 0.05  # [rad] least angle of the stick from straight or flat: 1/sin bounds J^-1 by 20; chosen
-ASIDE = 0.02  # [1] least |r| as a share of the arm's length; chosen, not measured
+ASIDE = 0.02  # [1] least |r| as a share of the arm's length, in tip schemes kept, too; chosen, not measured
 
 
 def rates_near_singularity(q: Vec3, velocity: Vec3, links: Links) -> Vec3:

@@ -26,7 +26,6 @@ CYLINDER = 3  # [1] kind of a `Wall`: upright
 MOST = 12  # [1] walls: machine code needs a fixed number; twice the sides of `stay_inside`
 PASSES = 20  # [1] over all walls before the tip is stopped, as in a corner; chosen, not measured
 NEGLIGIBLE_SPEED = 1e-6  # [m/s] of the tip towards a limit that counts as none: rounding
-FAR = 1e9  # [m] distance of no wall: no crane comes near it
 
 
 class Wall(NamedTuple):
@@ -70,7 +69,7 @@ def clearance(p: Vec3, wall: Wall) -> Clearance:
         return _box(p, wall.first, wall.second)
     if wall.kind == CYLINDER:
         return _cylinder(p, wall)
-    return Clearance(FAR, (0.0, 0.0, 1.0))
+    return Clearance(math.inf, (0.0, 0.0, 1.0))
 
 
 def _box(p: Vec3, low: Vec3, high: Vec3) -> Clearance:
@@ -78,7 +77,7 @@ def _box(p: Vec3, low: Vec3, high: Vec3) -> Clearance:
     outside = math.sqrt(x * x + y * y + z * z)
     if outside > 0.0:
         return Clearance(outside, (x / outside, y / outside, z / outside))
-    nearest, away = -FAR, (0.0, 0.0, 1.0)
+    nearest, away = -math.inf, (0.0, 0.0, 1.0)
     for i in range(3):
         for k in range(2):
             side = 2.0 * k - 1.0

@@ -25,7 +25,6 @@ from forest_description.types import AXES, ZERO, Vec3
 
 WAY = 0.005  # [rad] 30 mm of the tip at 6 m; a joint that turns round under a lagging valve goes less
 LONG = (0.5, 0.1, 0.1)  # [s] in which oil turns a joint round; a swing rocks slowly on its hoses
-LAGS = 1.0  # [1] time constants of its spool until a valve counts as open as its voltage; chosen
 OPEN = 0.4  # [1] of the way from the overlap's edge to the rated voltage: small openings are leakage's
 OWED = 0.03  # [rad] twice what a joint owes that goes: 0.014 of the forwarder's swing, 0.011 in the matrix
 OWED_LAG = 0.1  # [s] of the low-pass of v: what rocks at 4 Hz on its oil is no answer
@@ -103,7 +102,7 @@ def _later(before: Sinking, owed: Vec3, i: int, p: Parameters, dt: float) -> flo
     """Return how long one joint has owed something [s], from below zero for its spool's lag."""
     if owed[i] <= 0.0:
         return 0.0
-    begun = before.since[i] if before.owed[i] > 0.0 else -LAGS * p.speed_limits.axes[i].spool.lag
+    begun = before.since[i] if before.owed[i] > 0.0 else -p.speed_limits.axes[i].spool.lag
     return begun + dt
 
 
@@ -118,7 +117,7 @@ def _gone_back(
     if not is_open or voltages[i] * rates[i] >= 0.0:
         return 0.0, 0.0
     # A spool that lags opens by and by: its time begins below zero.
-    time = before.times[i] if before.ways[i] > 0.0 else -LAGS * axis.spool.lag
+    time = before.times[i] if before.ways[i] > 0.0 else -axis.spool.lag
     return before.ways[i] + abs(rates[i]) * dt, time + dt
 
 

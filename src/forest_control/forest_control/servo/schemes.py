@@ -35,7 +35,7 @@ from forest_description.geometry.kinematics import Links, is_singular, joint_rat
 from forest_description.types import ZERO, Vec3
 
 FADED = 1e-3  # [rad/s] of an offset that counts as none: it would only keep a valve open
-ERROR_LAG = 0.05  # [s] time constant of the error's low-pass: over a quarter of a period at 8 Hz
+ERROR_LAG = 0.05  # [s] low-pass of error and of a joint's going: over a quarter of a period at 8 Hz
 FULL_RATE = 0.1  # [rad/s] reference rate from which D acts in full: slower, noise of v crosses the overlap
 REST_RATE = 2e-3  # [rad/s] reference rate that counts as none for a velocity servo: above sensor noise
 

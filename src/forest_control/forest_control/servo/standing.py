@@ -6,7 +6,7 @@ one may need a wider valve, and keeps its reference.
 
 | symbol | name | unit |
 |---|---|---|
-| a, v | reference and measured joint rate; v low-passed by `LATE` | rad/s |
+| a, v | reference and measured joint rate; v low-passed by `ERROR_LAG` | rad/s |
 | r, s | reference and measured angle | rad |
 
 Not kept: the reference of joints that have not gone since they rested. Their overlap may be wider than
@@ -16,9 +16,9 @@ believed, and only a servo whose error grows brings them over it; `safety.sinkin
 import math
 from typing import NamedTuple
 
+from forest_control.servo.schemes import ERROR_LAG
 from forest_description.types import Vec3
 
-LATE = 0.05  # [s] of v: noise and what rocks at 8 Hz
 GOES = 0.5  # [1] of a, from which a joint has gone
 STANDS = 0.4  # [1] of a, within which it stands; at a half a weak valve's joint would, too
 SLOW = 5e-3  # [rad/s] of a joint that need not be asked: 30 mm/s of the tip at 6 m
@@ -34,7 +34,7 @@ class Going(NamedTuple):
 
 def updated_going(before: Going, a: float, v: float, dt: float) -> Going:
     """Return how a joint goes after dt [s] at a reference rate a and a measured rate v [rad/s]."""
-    rate = before.rate + (1.0 - math.exp(-dt / LATE)) * (v - before.rate)
+    rate = before.rate + (1.0 - math.exp(-dt / ERROR_LAG)) * (v - before.rate)
     if rate * a > GOES * a * a:
         return Going(rate, math.copysign(1.0, a))
     return Going(rate, before.side if before.side * a > 0.0 else 0.0)

@@ -196,9 +196,7 @@ def _axis(
         saturated = not low < wanted < high
         if p.beyond_valve:
             wanted = _over_the_overlap(wanted, state.spools[i], state.ahead, law, axis)
-    most = p.slew_limit * dt if dt > 0.0 or p.slew_limit < math.inf else math.inf  # not inf * 0
-    slewed = max(state.voltages[i] - most, min(state.voltages[i] + most, wanted))
-    return AxisMemory(hold, max(low, min(high, slewed)), saturated)
+    return AxisMemory(hold, max(low, min(high, wanted)), saturated)
 
 
 def _fed(

@@ -55,8 +55,6 @@ class Settings(NamedTuple):
     hold_zone: Annotated[float, tunable("commands that leave the spool centred", "V", 0.0, 1.0)] = 0.02
     load_bandwidth: Annotated[float, tunable("low-pass of the loads", "Hz", 0.01, 50.0)] = 1.0
     minimum_drop: Annotated[float, tunable("least share of pressure left", "", 0.01, 1.0)] = 0.1
-    # Under 1000 V/s the way through the overlap costs time.
-    slew_limit: Annotated[float, tunable("of every voltage; 0: none", "V/s", 0.0, 1e5)] = 0.0
     dither_amplitude: Annotated[
         float, tunable("of the dither; negative: half the file's hysteresis", "V", -1.0, 2.0)
     ] = -1.0
@@ -95,7 +93,6 @@ class Parameters(NamedTuple):
     command_noises: Vec3  # [V] commands up to this may be noise
     load_bandwidth: float  # [rad/s]
     minimum_drop: float
-    slew_limit: float  # [V/s]; inf: none
     dither_frequency: float  # [Hz]
     adapt: bool
     adaptation: AdaptationParameters
@@ -123,7 +120,6 @@ def parameters(machine: Machine, settings: Settings) -> Parameters:
         ),
         load_bandwidth=2.0 * math.pi * settings.load_bandwidth,
         minimum_drop=settings.minimum_drop,
-        slew_limit=settings.slew_limit if settings.slew_limit > 0.0 else math.inf,
         dither_frequency=settings.dither_frequency,
         adapt=settings.compensate and settings.adapt,
         adaptation=AdaptationParameters(
