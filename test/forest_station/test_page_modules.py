@@ -141,6 +141,15 @@ def test_without_a_connection_the_page_says_where_to_look(js: Js) -> None:
     assert ended == "The station ends. Its terminal says why. Start scripts/station.sh anew."
 
 
+def test_a_limit_that_lets_nothing_through_is_no_slowing_to_nothing(js: Js) -> None:
+    why = """(m) => {
+      const seat = { you_drive: true, driver: "you", asking: [], deadman: { state: "held" } };
+      return [0, 0.004, 0.28].map((factor) => m.whyText(seat, {}, false, { armed: 1, factor, limit: 2 }));
+    }"""
+    held = "Held back by the end of a joint."
+    assert js("hands/why.js", why) == [held, held, "Slowed to 28 % by the end of a joint."]
+
+
 def test_a_standard_gamepad_means_what_game_controller_means(js: Js) -> None:
     buttons = "Array.from({length: 17}, (_, i) => ({pressed: i === 4, value: i === 7}))"
     device = f"{{axes: [0.5, -1, 1, 0.5], buttons: {buttons}}}"
@@ -392,6 +401,10 @@ def test_troubles_are_told_the_worst_first_and_what_is_well_is_not(js: Js) -> No
         (
             (False, "recorded 900 messages, 30 topics, lost 9, 5 of /joy, 4 of /a/b: mine"),
             "recorded 900 messages, 30 topics, lost 9: mine. Too many are lost for figures.",
+        ),
+        (
+            (False, "recorded 0 messages, 0 topics, lost 0: mine"),
+            "recorded 0 messages, 0 topics, lost 0: mine. Nothing was heard: record longer.",
         ),
     ],
 )
