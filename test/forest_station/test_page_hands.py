@@ -186,6 +186,17 @@ def test_a_page_that_hung_has_let_go(met: PageStandIn) -> None:
     met.page.wait_for_selector(".deadman[data-state=waiting]")
 
 
+def test_a_bag_that_cannot_be_replayed_says_why_beside_the_list(met: PageStandIn) -> None:
+    page, bag = met.page, {"name": "empty", "bytes": 2000, "modified": 0, "seconds": 0}
+    page.route("**/bags.json", lambda route: route.fulfill(json=[bag]))
+    page.route("**/bags/empty.json", lambda route: route.fulfill(status=400, body="empty has no messages"))
+    page.get_by_role("button", name="Read the list again").click()
+    page.get_by_role("button", name="Replay").click()
+    page.wait_for_selector("#recording >> text=The bag cannot be replayed: empty has no messages")
+    for pattern in ("**/bags.json", "**/bags/empty.json"):
+        page.unroute(pattern)
+
+
 def test_a_gamepad_drives_and_its_unplugging_lets_go(met: PageStandIn) -> None:
     met.page.evaluate("plugIn('Pad (STANDARD GAMEPAD)', 'standard', 4, 17)")
     met.page.evaluate("Object.assign(pads[0].buttons[4], {pressed: true, value: 1})")

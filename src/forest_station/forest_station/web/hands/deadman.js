@@ -4,7 +4,7 @@
 // pointer, a hidden page, a thread that hung) lets go for all of them: each has to be let go and pressed anew.
 
 export const LONGEST_GAP_MS = 100; // between two looks at the hands; a page that hangs for longer has let go
-const [OFTEN, LATELY_MS] = [3, 60_000]; // times that a page hangs within, on a computer that is too busy
+const [OFTEN, LATELY_MS] = [2, 60_000]; // times that a page hangs within, on a computer that is too busy
 const BUSY = "this computer is too busy to drive: close other programs, make the window smaller, or stop the drawing (bottom right)";
 
 export class Deadman {
@@ -56,6 +56,7 @@ export class Hangs {
   told(gap, now) {
     this.#times = [...this.#times.filter((time) => now - time < LATELY_MS), now];
     if (this.#times.length >= OFTEN) return BUSY;
-    return `the page hung for ${(gap / 1000).toFixed(1)} s, longer than ${LONGEST_GAP_MS / 1000} s`;
+    const seconds = Math.ceil(gap / 10) / 100; // up: a gap that is too long never reads as the longest
+    return `the page hung for ${seconds.toFixed(2)} s, longer than ${LONGEST_GAP_MS / 1000} s`;
   }
 }

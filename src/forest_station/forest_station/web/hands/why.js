@@ -63,7 +63,8 @@ export function whyText(seat, here, stopped, status, cause = "") {
   }
   if (status.armed === 0) return sentences(cause && `the controller stopped: ${cause}`, "Centre the sticks, then go on.");
   if (status.factor < 1 && LIMITS[status.limit]) {
-    return `Slowed to ${Math.round(100 * status.factor)} % by ${LIMITS[status.limit]}.`;
+    const percent = Math.round(100 * status.factor);
+    return percent === 0 ? `Held back by ${LIMITS[status.limit]}.` : `Slowed to ${percent} % by ${LIMITS[status.limit]}.`;
   }
   return "";
 }

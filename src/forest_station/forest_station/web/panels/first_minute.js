@@ -88,7 +88,8 @@ class FirstMinute {
     if (!this.station.connected) return "There is no connection to the crane: the line at the top says what to do.";
     if (this.stopped) return "Stopped: press Reset, at the top.";
     if (!this.attempt) {
-      return `Mark a square at the tip of the crane, and drive along it: hold ${DEADMAN}, and push the left stick. ${STOP} stops everything.`;
+      const push = FINGERS ? "push the left stick" : "push the left stick, or press W";
+      return `Mark a square at the tip of the crane, and drive along it: hold ${DEADMAN}, and ${push}. ${STOP} stops everything.`;
     }
     if (isDone(this.attempt)) {
       const { rms, most, seconds } = result(this.attempt);

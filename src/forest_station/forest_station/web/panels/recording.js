@@ -41,6 +41,7 @@ export function stateText({ active, name, seconds, bytes, text }) {
   if (active) return /^\d+:/.test(text) ? `${name}: ${text}` : `${name}: ${clock(seconds)}, ${size(bytes)}. ${text}`;
   const short = text.replace(/(lost \d+)(?:, \d+ of [^,:]+)+/, "$1");
   const [, written, lost] = /^recorded (\d+) messages.* lost (\d+)/.exec(short) ?? [];
+  if (written === "0") return `${short}. Nothing was heard: record longer.`;
   return lost > SLIGHT * written ? `${short}. Too many are lost for figures.` : short;
 }
 
@@ -61,13 +62,22 @@ function marker(station, ask) {
 function list(station) {
   const bags = bagsOf(station);
   const replay = replayOf(station);
+  const opening = make("p", { className: "answer", role: "status" });
+  replay.addEventListener("change", () => setText(opening, openingText(replay)));
   const rows = make("ul", { className: "bags" });
   const trouble = make("p");
   bags.addEventListener("change", () => {
     setText(trouble, bags.trouble || (bags.entries.length ? "" : "There is no bag yet."));
     rows.replaceChildren(...bags.entries.slice(0, MOST_ROWS).map((bag) => row(bag, replay)));
   });
-  return make("div", {}, rows, trouble, makeButton("Read the list again", () => bags.read()));
+  return make("div", {}, opening, rows, trouble, makeButton("Read the list again", () => bags.read()));
+}
+
+// How the opening of a bag goes, as long as no replay is there to tell.
+export function openingText({ active, opening, trouble }) {
+  if (active) return "";
+  if (opening) return `${opening} is opened.`;
+  return trouble && `The bag cannot be replayed: ${trouble}`;
 }
 
 function row({ name, bytes, modified, seconds }, replay) {

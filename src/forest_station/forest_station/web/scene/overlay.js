@@ -1,10 +1,12 @@
 // What lies over the picture: buttons for the views, and what its colours mean.
 
+import { make } from "../elements.js";
 import { VIEWS } from "./cameras.js";
 
 const LEGEND = [["wish", "commanded path"], ["tip", "tip, last 20 s"], ["area", "reach"], ["wall", "wall, slow zone, the load's reach"],
   ["out", "oil to the actuator"], ["back", "oil back"], ["ghost", "ghost: the second bag"],
   ["exercise", "your square"], ["rigid", "as if no link bent"]];
+const SLOW = 5; // [1/s] pictures below which the computer is likely to be too busy to drive
 
 // Buttons, and the keys 1 to 4.
 export function viewButtons(cameras) {
@@ -38,14 +40,15 @@ function typing({ target, ctrlKey, altKey, metaKey }) {
   return ctrlKey || altKey || metaKey || target.closest?.("input, select, textarea, [contenteditable]");
 }
 
+// What the colours mean. A small window begins without: it would lie over the crane.
 export function legend() {
-  const list = document.createElement("ul");
-  list.className = "legend";
-  for (const [kind, text] of LEGEND) {
-    const item = document.createElement("li");
-    item.className = kind;
-    item.textContent = text;
-    list.append(item);
-  }
-  return list;
+  const items = LEGEND.map(([className, textContent]) => make("li", { className, textContent }));
+  const open = !matchMedia("(width < 75rem) or (height < 45rem)").matches;
+  return make("details", { className: "legend", open }, make("summary", {}, "Lines"), make("ul", {}, ...items));
+}
+
+// The figure of the drawing: pictures per second, and their share of the screen's resolution [1].
+export function rateText(rate, share) {
+  const figure = `${rate} ${rate === 1 ? "picture" : "pictures"}/s · ${Math.round(100 * share)} %`;
+  return rate < SLOW ? `${figure}: click to stop the drawing` : figure;
 }

@@ -4,7 +4,7 @@
 import { standingCause } from "../hands/why.js";
 import { Cameras } from "./cameras.js";
 import { Labels } from "./labels.js";
-import { legend, viewButtons } from "./overlay.js";
+import { legend, rateText, viewButtons } from "./overlay.js";
 
 const FINEST = 2; // pixels of the screen per pixel of the page: more cannot be seen at 1 m
 const WALLS = ["workspace", "tip_speed"]; // parameters of the controller that the scene depends on
@@ -173,7 +173,7 @@ class View {
     if (!this.drawing) return; // it was on its way
     this.tip = message.tip;
     this.labels.show(message.labels);
-    this.rate.textContent = `${message.rate} ${message.rate === 1 ? "picture" : "pictures"}/s · ${Math.round(100 * message.share)} %`;
+    this.rate.textContent = rateText(message.rate, message.share);
     this.element.dataset.rate = message.rate;
     this.#stepSoon();
   }
