@@ -7,12 +7,13 @@ import importlib
 import itertools
 import os
 import random
+import re
 import socket
 import sys
 import time
 import warnings
 from collections import Counter
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Generator, Iterator
 from pathlib import Path
 from typing import Any
 
@@ -37,6 +38,27 @@ os.environ["PYTHONFAULTHANDLER"] = "1"
 os.environ["FASTRTPS_DEFAULT_PROFILES_FILE"] = str(Path(forest_msgs_py.__file__).with_name("loopback.xml"))
 
 
+# A file with none of these fixtures has no live test: `-m live` need not import it.
+LIVE = re.compile(r"\b((session_)?domain_id|ros_context|make_node|start_process|start_graph|peer|crane)\b")
+
+
+def pytest_ignore_collect(collection_path: Path, config: pytest.Config) -> bool | None:
+    """Pass over the files without live tests when nothing else is asked for."""
+    is_test = collection_path.suffix == ".py" and collection_path.name.startswith("test_")
+    only_live = config.option.markexpr == "live" and is_test
+    return True if only_live and not LIVE.search(collection_path.read_text("utf-8")) else None
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_make_collect_report(collector: pytest.Collector) -> Generator[None, Any, Any]:
+    """Have every second worker import the folders backwards: it finds files that another has compiled."""
+    report = yield
+    number = int(os.environ.get("PYTEST_XDIST_WORKER", "gw0").removeprefix("gw"))
+    if isinstance(collector, pytest.Directory) and number % 2:
+        report.result.reverse()
+    return report
+
+
 @pytest.hookimpl(tryfirst=True)
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     """Mark the live tests, and run the files with most of them first.
@@ -46,6 +68,8 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     live = [item for item in items if _is_live(item)]
     for item in live:
         item.add_marker("live")
+    unseen = {str(item.path) for item in live if not LIVE.search(item.path.read_text("utf-8"))}
+    assert not unseen, f"live tests, but `-m live` passes over them: {unseen}"
     starts = Counter(item.path for item in live)
     items.sort(key=lambda item: (starts[item.path], str(item.path)), reverse=True)
 

@@ -4,6 +4,7 @@ import ast
 import re
 import sys
 import xml.etree.ElementTree as ET
+from functools import cache
 from pathlib import Path
 
 import pytest
@@ -28,8 +29,9 @@ ROS = {
 }
 
 
-def imported(source: str) -> set[str]:
-    """Top-level names of every module that a source imports, inside functions too."""
+@cache
+def imported(source: str) -> frozenset[str]:
+    """Top-level names of every module that a source imports, inside functions too; five claims ask."""
     names = set()
     for node in ast.walk(ast.parse(source)):
         if isinstance(node, ast.Import):
@@ -38,7 +40,7 @@ def imported(source: str) -> set[str]:
             names.add(node.module or "")
         elif isinstance(node, ast.Call) and ast.unparse(node.func).endswith("import_module"):
             names |= {arg.value for arg in node.args if isinstance(arg, ast.Constant)}
-    return {name.partition(".")[0] for name in names}
+    return frozenset(name.partition(".")[0] for name in names)
 
 
 def may_know_ros(package: str, path: Path) -> bool:

@@ -24,17 +24,17 @@ import json, sys
 sys.path.append(sys.argv[1])
 import numpy as np
 from fmpy import simulate_fmu
-asked = json.loads(sys.argv[3])
-given = None
-if asked["voltages"]:
-    names = ["time", "voltage.swing", "voltage.boom", "voltage.stick"]
-    given = np.rec.fromarrays(np.loadtxt(asked["voltages"], delimiter=",", skiprows=1).T, names=names)
-rows = simulate_fmu(
-    sys.argv[2], stop_time=asked["duration"], step_size=asked["step"], output_interval=asked["step"],
-    input=given, start_values=asked["start_values"], debug_logging=True,
-    logger=lambda environment, name, status, category, text: print(text.decode()),
-)
-np.save(asked["out"], rows)
+for asked in json.loads(sys.argv[3]):
+    given = None
+    if asked["voltages"]:
+        names = ["time", "voltage.swing", "voltage.boom", "voltage.stick"]
+        given = np.rec.fromarrays(np.loadtxt(asked["voltages"], delimiter=",", skiprows=1).T, names=names)
+    rows = simulate_fmu(
+        sys.argv[2], stop_time=asked["duration"], step_size=asked["step"], output_interval=asked["step"],
+        input=given, start_values=asked["start_values"], debug_logging=True,
+        logger=lambda environment, name, status, category, text: print(text.decode()),
+    )
+    np.save(asked["out"], rows)
 print(sys.modules["forest_sim"].__file__)
 """
 
@@ -58,17 +58,19 @@ def fmu(tmp_path_factory):
 
 @pytest.fixture
 def run(fmu, tmp_path):
-    """Run the FMU in a process of its own; return its rows, and what the process said."""
+    """Run the FMU in a process, once for each set of start values; return the rows, and what it said."""
 
-    def simulate(duration, step=PERIOD, voltages=None, start_values=None):
-        out = tmp_path / "rows.npy"
-        out.unlink(missing_ok=True)
-        asked = {"voltages": voltages and str(voltages), "duration": duration, "step": step, "out": str(out)}
-        asked["start_values"] = start_values or {}
+    def simulate(duration, *starts, step=PERIOD, voltages=None):
+        every = {"voltages": voltages and str(voltages), "duration": duration, "step": step}
+        asked = [
+            {**every, "start_values": start, "out": str(tmp_path / f"rows_{number}.npy")}
+            for number, start in enumerate(starts)
+        ]
         folder = sysconfig.get_paths()["platlib"]
         command = [sys.executable, "-S", "-c", TOOL, folder, str(fmu), json.dumps(asked)]
         done = subprocess.run(command, capture_output=True, text=True, check=False)
-        return (np.load(out) if done.returncode == 0 else None), done.stdout + done.stderr
+        rows = [np.load(one["out"]) for one in asked] if done.returncode == 0 else None
+        return rows, done.stdout + done.stderr
 
     return simulate
 
@@ -86,8 +88,9 @@ def voltages(tmp_path_factory):
 
 
 def test_in_another_tool_it_goes_as_the_simulator_does_without_our_packages(run, voltages):
-    rows, said = run(DURATION, voltages=voltages)
-    assert rows is not None, said
+    found, said = run(DURATION, {}, voltages=voltages)
+    assert found is not None, said
+    (rows,) = found
     assert "/resources/forest_sim/" in said
     machine, given = load_machine(MACHINE), np.loadtxt(voltages, delimiter=",", skiprows=1)
     simulator = SimulatedMachine(machine, start_angles(machine), sensor_suite(machine), PERIOD)
@@ -115,15 +118,16 @@ def test_in_another_tool_it_goes_as_the_simulator_does_without_our_packages(run,
 
 def test_a_tool_sets_start_noise_and_force(run):
     start = {"start.swing": 0.2, "start.boom": 0.5, "start.stick": -1.5}
-    still, said = run(0.1, start_values=start)
-    assert still is not None, said
+    noise = [{"sensor_noise": True, "seed": seed} for seed in (1, 1, 2)]
+    more = {}, *noise, {"tip_force.z": -5000.0}, {"load.mass": 500.0}
+    rows, said = run(0.1, *(start | one for one in more))
+    assert rows is not None, said
+    still, *noisy, pushed, loaded = rows
     assert [still[0][f"ground_truth.joint_states.{axis}.position"] for axis in AXES] == [0.2, 0.5, -1.5]
-    noisy = [run(0.1, start_values=start | {"sensor_noise": True, "seed": seed})[0] for seed in (1, 1, 2)]
     pressures = [rows["hydraulics.pressures.boom_1_valve"] for rows in noisy]
     assert np.array_equal(pressures[0], pressures[1])
     assert not np.array_equal(pressures[0], pressures[2])
-    for more in ({"tip_force.z": -5000.0}, {"load.mass": 500.0}):
-        pulled, said = run(0.1, start_values=start | more)
+    for pulled in (pushed, loaded):
         assert pulled[-1]["ground_truth.tip.pose.z"] < still[-1]["ground_truth.tip.pose.z"] - 1e-4
 
 
@@ -137,7 +141,7 @@ def test_a_tool_sets_start_noise_and_force(run):
     ],
 )
 def test_what_cannot_be_is_told_in_the_tools_log(run, step, start, reason):
-    rows, said = run(0.01, step=step, start_values=start)
+    rows, said = run(0.01, start, step=step)
     assert rows is None
     assert reason in said
 

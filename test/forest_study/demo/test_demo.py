@@ -119,7 +119,7 @@ def test_the_crane_moved_where_it_was_wished(driven):
 
 
 @pytest.fixture
-def forked(start_process):
+def forked(start_process, domain_id):
     """A demo that is over, forked where a new one tells nothing more."""
 
     def run(*options):
@@ -163,7 +163,7 @@ def test_a_bad_lever_file_is_refused_before_anything_starts(tmp_path, forked):
     assert not (tmp_path / "out").exists()
 
 
-def test_levers_from_a_file_drive_the_joints(tmp_path, domain_id, forked):
+def test_levers_from_a_file_drive_the_joints(tmp_path, forked):
     levers = tmp_path / "levers.csv"
     levers.write_text("time_s,swing,boom,stick\n0,0,0,0\n0.2,0.5,0,0\n1.2,0,0,0\n1.5,0,0,0\n")
     out = tmp_path / "out"

@@ -1,15 +1,20 @@
 """The benchmark's statistics, and its command."""
 
 import json
+from functools import lru_cache
 
 import numpy as np
 import pytest
 
 from forest_study.cli import main
+from forest_study.log_work import trial
+from forest_study.logs import logs_command
 from forest_study.logs import report as report_page
 from forest_study.logs.report import answers
 from forest_study.logs.statistics import difference, mean
 from forest_study.logs.tables import SHOWN, groups, text
+from forest_study.sweep.design import runs
+from forest_study.sweep.workers import run_batch
 
 
 def test_a_mode_that_does_not_help_is_told_as_such():
@@ -41,14 +46,23 @@ def test_one_person_has_no_interval():
     assert np.isnan(difference([9.0], [10.0]).p)
 
 
+def run_here(study, store, *_):
+    """Run a study in this process; `test_sweep` has it run by workers."""
+    todo = [one for one in runs(study) if one.number not in store.done()]
+    store.add(run_batch(study.kind, study.common, todo))
+
+
 @pytest.fixture(scope="module")
 def told(tmp_path_factory):
-    """Run one person in two modes: arguments, report, table, page."""
-    pytest.importorskip("distributed")
-    out = tmp_path_factory.mktemp("logs") / "out"
+    """Run one person in two modes: arguments, report, table, page, whose pictures are of the same trials."""
+    out, work = tmp_path_factory.mktemp("logs") / "out", lru_cache(trial.work)
     arguments = ["logs", "--machine", "forwarder", "--mode", "tip", "assisted", "--operator", "expert"]
     arguments += ["--seeds", "1", "--workers", "1", "--out", str(out)]
-    assert main(arguments) == 0
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(logs_command, "run_the_rest", run_here)
+        patch.setattr(trial, "work", work)
+        assert main(arguments) == 0
+    assert work.cache_info().misses == 2
     texts = [(out / name).read_text("utf-8") for name in ("logs.json", "logs.md", "logs.html")]
     return arguments, json.loads(texts[0]), *texts[1:]
 

@@ -85,8 +85,11 @@ def _along(ways: list[float], places: list[Vec3]) -> Callable[[float], Vec3]:
         if s <= ways[k] or k == len(ways) - 1:
             return here[0], here[1], here[2]
         there, since, span = places[k + 1], s - ways[k], ways[k + 1] - ways[k]
-        x, y, z = ((b - a) / span * since + a for a, b in zip(here, there, strict=True))
-        return x, y, z
+        return (
+            (there[0] - here[0]) / span * since + here[0],
+            (there[1] - here[1]) / span * since + here[1],
+            (there[2] - here[2]) / span * since + here[2],
+        )
 
     return at
 

@@ -33,8 +33,9 @@ from forest_description.machine import Machine
 from forest_description.types import ZERO, Floats, Vec3
 from forest_msgs_py.types import PERIOD, PERIOD_NS
 from forest_sim.equations.plant_parameters import PlantParameters, plant_parameters
-from forest_sim.sensors import sensor_readings
-from forest_sim.sensors.sensor_suite import Suite, draw, noise_generator
+from forest_sim.sensors.sensor_readings import NOMINAL
+from forest_sim.sensors.sensor_run import SensorRun
+from forest_sim.sensors.sensor_suite import Suite
 from forest_sim.sensors.sensor_suite import sensor_suite as suite_of
 from forest_sim.sensors.signal_processing import Measurement
 from forest_sim.solver.compiled_plant import compiled_advance
@@ -181,8 +182,7 @@ class ClosedLoop:
     ) -> None:
         self._plant, self._drive = p, drive
         rest = equilibrium(start, p)
-        self._suite, self._generator = suite, noise_generator(suite)
-        self._sensors = sensor_readings.at_rest(rest, p, suite)
+        self._sensors = SensorRun(rest, p, control.links, suite, NOMINAL)
         self._simulation, self._advance = until_first_report(rest, p), compiled_advance()
         self._step = compiled.controller_step() if fast else controller.step_with_telemetry
         self._answer = compiled.driver_step() if fast else valve_driver.step
@@ -208,12 +208,14 @@ class ClosedLoop:
         """Go on with the parameters of a machine whose head holds another log."""
         self._simulation = changed_load(self._simulation, self._plant, plant).simulation
         self._plant = plant
+        self._sensors.set_plant(plant, NOMINAL)
 
     def period(self, joystick: Joystick) -> Happened:
         """Return what happened in a period, and move the machine over it; the tip is left out."""
         heard = self._count * PERIOD + next(self._late, 0.0)
         seen = self._sense()
-        angles = sensor_readings.true_joints(self._simulation, self._plant).position
+        true = self._simulation.plant
+        angles = true.swing.angle, true.boom.angle, true.stick.angle
         self._hear(joystick, heard)
         self._report((self._count + 1) * PERIOD_NS, seen, heard)
         self._control(heard)
@@ -233,10 +235,7 @@ class ClosedLoop:
 
     def _sense(self) -> Measurement:
         """Return what the sensors say."""
-        self._sensors, seen = sensor_readings.measure(
-            self._simulation, self._sensors, self._plant, PERIOD, self._suite, draw(self._generator)
-        )
-        return seen
+        return self._sensors.sample(self._simulation, PERIOD).seen
 
     def _report(self, stamp: int, seen: Measurement, now: float) -> None:
         """Put what the sensors say on its way to the controller, under a stamp [ns]."""

@@ -243,8 +243,8 @@ SENSORS = {
     ),
     "resolver counts back": Fault(
         "one counts the other way",
-        "The servo drives away from its reference until a joint goes back under a wide open valve: 0.1 to"
-        " 1.5 s at 0.5 m/s. Slower, or in a taught cycle, it goes on: gap.",
+        "The servo drives away from its reference until a joint goes back under a wide open valve. That takes"
+        " 0.1 to 1.5 s at 0.5 m/s. Slower, or in a taught cycle, it goes on: gap.",
         same(Bound(speed=4.5, again=False), DRIVEN, MOTION=Bound(zero=1.8, again=False))
         | {State.EXPERIMENT: Bound(again=False)},
         seen=wires.reversed_axis,
@@ -257,7 +257,7 @@ SENSORS = {
     ),
     "cylinder transducer frozen": Fault(
         "one repeats its last reading",
-        "Over 0.03 rad from its resolver for 0.3 s, it stops the crane while it is; at once over 0.1 rad, it"
+        "Over 0.03 rad from its resolver for 0.3 s, it stops the crane while it is. At once over 0.1 rad, it"
         " is left out.",
         same(Bound(off=0.9), HELD, STANDING=Bound(off=0.02, again=False)),
         sensors="{cylinder}_transducer: frozen",

@@ -100,7 +100,6 @@ class ByHand:
         believed = load_machine(wires.fault.file) if wires.fault.file else machine
         self._loop = FaultyLoop(
             wires,
-            machine.manipulator.links,
             plant_parameters(machine),
             controller_settings.parameters(believed, control),
             valve_driver_parameters.parameters(believed, valve_driver_parameters.Settings()),
@@ -132,7 +131,7 @@ class Taught:
         folder = Path(self._folder.name)
         save_cycle(Cycle(CYCLE, (TaughtPath(CYCLE, points, 0.4),)), folder)
         late = wires.later(PERIOD)  # a taught loop has made its first step already
-        suite, make = suite_with(machine, late, seed), partial(FaultyLoop, late, machine.manipulator.links)
+        suite, make = suite_with(machine, late, seed), partial(FaultyLoop, late)
         self._taught = TaughtLoop(machine, points[0], folder, suite=suite, make=make)
         self._taught.work.cycle, self._played = CYCLE, False
         loop = self._taught.loop
@@ -160,7 +159,6 @@ class Experiment:
         self._loop = ExperimentLoop(
             wires,
             plan,
-            crane.manipulator.links,
             plant_parameters(crane),
             controller_settings.parameters(crane, controller_settings.Settings()),
             valve_driver_parameters.parameters(crane, bare),

@@ -2,6 +2,7 @@
 
 import csv
 import math
+from functools import cache
 from pathlib import Path
 
 from forest_control.taught.tip_path import PathError, TipPath, polyline
@@ -17,15 +18,19 @@ def path_named(name: str) -> TipPath:
     Raises:
         PathError: the file cannot be read, or holds no path.
     """
+    return _named(name) if name in NAMES else polyline(Path(name).stem, _waypoints(Path(name)))
+
+
+@cache
+def _named(name: str) -> TipPath:
+    """Return one of the five, each time the same."""
     if name == "sweep":
         return polyline(name, [(5.6, -2.5, 1.0), (5.6, 2.5, 1.0)])
     if name == "radial":
         return polyline(name, [(4.7, 0.0, 0.5), (7.2, 0.0, 0.5)])
     if name == "vertical":
         return polyline(name, [(6.0, 0.0, -0.5), (6.0, 0.0, 2.0)])
-    if name in ("circle_h", "circle_v"):
-        return _circle(name)
-    return polyline(Path(name).stem, _waypoints(Path(name)))
+    return _circle(name)
 
 
 def _circle(name: str) -> TipPath:

@@ -9,6 +9,7 @@ to its last. Levers are those of a joystick's message: single precision.
 
 import dataclasses
 import math
+from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
@@ -17,7 +18,7 @@ from forest_control.config import controller_settings
 from forest_control.servo.joint_angle_filter import Source
 from forest_control.servo.schemes import Scheme
 from forest_control.taught.plan import RAMP, RESERVE, greatest_speed
-from forest_control.taught.tip_path import PathError, TipPath, fastest, is_closed, reverse
+from forest_control.taught.tip_path import PathError, Profile, TipPath, fastest, is_closed, reverse
 from forest_control.valve import valve_driver_parameters
 from forest_description.derived.limits import pose_at
 from forest_description.machine import Machine
@@ -144,15 +145,22 @@ def scored(course: Course, led: Led, machine: Machine) -> Session:
 def plan(path: TipPath, speed: float, p: controller_settings.Parameters, laps: int) -> tuple[Lap, ...]:
     """Return laps one after the other, as fast as speed, ramps and the velocity limits allow."""
     runs: list[Lap] = []
-    start, asked = REST, speed / RESERVE
+    start, back = REST, path if is_closed(path) else reverse(path)
     for k in range(laps):
-        way = path if k % 2 == 0 or is_closed(path) else reverse(path)
-        profile = fastest(
-            way, speed, RAMP, lambda place, along: RESERVE * greatest_speed(path.name, place, along, asked, p)
-        )
+        way = back if k % 2 else path
+        profile = _profile(way, speed, p)
         runs.append(Lap(start, way, profile))
         start = PERIOD * math.ceil((start + profile.duration + REST) / PERIOD)
     return tuple(runs)
+
+
+@lru_cache(maxsize=16)
+def _profile(path: TipPath, speed: float, p: controller_settings.Parameters) -> Profile:
+    """Return the fastest profile along a path; it takes longer than the run along it."""
+    asked = speed / RESERVE
+    return fastest(
+        path, speed, RAMP, lambda place, along: RESERVE * greatest_speed(path.name, place, along, asked, p)
+    )
 
 
 def _angles(place: Vec3, path: TipPath, machine: Machine) -> Vec3:
