@@ -1,6 +1,7 @@
 """`forest-study tune`: gains for a machine file, searched for on the matrix' plants, judged on others."""
 
 import argparse
+import math
 import sys
 import time
 from typing import Any
@@ -81,7 +82,7 @@ class _Progress:
         self._best = min(self._best, last.cost)
         left = (time.monotonic() - self._begun) / count * (self._trials - count)
         self._line.show(
-            f"{count} of {self._trials} trials, best {100 * self._best:+.1f} %, {left:.0f} s left"
+            f"{count} of {self._trials} trials, error {100 * math.expm1(self._best):+.1f} %, {left:.0f} s left"
         )
         if count == self._trials:
             self._line.end()
