@@ -4,7 +4,6 @@ A point has a number for each of `NAMES`, in units of `UNITS`: so a step of one 
 """
 
 from collections.abc import Sequence
-from typing import Any
 
 from forest_control.config.controller_settings import Settings, with_gains
 from forest_control.servo.gain_rule import integral
@@ -37,15 +36,19 @@ def point_of(machine: Machine) -> Point:
 def settings_of(point: Sequence[float]) -> Settings:
     """Return the controller's settings of a point."""
     one, two, three, damping, *lead = (
-        float(f"{min(high, max(low, x * unit)):.{DIGITS}g}")
+        _kept(min(high, max(low, x * unit)))
         for x, unit, low, high in zip(point, UNITS, LOWEST, HIGHEST, strict=True)
     )
     return Settings(
         feedback_gain=(one, two, three),
-        integral_gain=(integral(one, 0), integral(two, 1), integral(three, 2)),
+        integral_gain=(_kept(integral(one, 0)), _kept(integral(two, 1)), _kept(integral(three, 2))),
         rate_gain=(damping, 0.0, 0.0),
         lead_time=(lead[0], lead[1], lead[2]),
     )
+
+
+def _kept(value: float) -> float:
+    return float(f"{value:.{DIGITS}g}")
 
 
 def gains_of(settings: Settings) -> dict[str, list[float]]:
@@ -56,5 +59,5 @@ def gains_of(settings: Settings) -> dict[str, list[float]]:
 
 def profile(settings: Settings, head: Sequence[str]) -> str:
     """Return a profile's text, its head as comments."""
-    lines: list[Any] = [f"# {line}" for line in head]
-    return "\n".join([*lines, *(f"{name}: {values}" for name, values in gains_of(settings).items())]) + "\n"
+    lines = [f"# {line}" for line in head] + [f"{name}: {x}" for name, x in gains_of(settings).items()]
+    return "\n".join(lines) + "\n"

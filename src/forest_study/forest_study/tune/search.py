@@ -65,14 +65,14 @@ def search(
     reference, found = bench.run(rule, seeds), list[Tried]()
 
     def tried(point: Floats) -> float:
-        settings = settings_of(point)
+        settings = settings_of(point.tolist())
         one = Tried(settings, cost(bench.run(settings, seeds), reference), sensitivity(plants, settings))
         found.append(one)
         said(len(found), one)
         return one.cost
 
     def robust(point: Floats) -> float:
-        return min(1e3, sensitivity(plants, settings_of(point)))
+        return min(1e3, sensitivity(plants, settings_of(point.tolist())))
 
     limit = scipy.optimize.NonlinearConstraint(robust, -math.inf, allowed(plants, rule))
     options: dict[str, Any] = {"maxfev": trials, "initial_tr_radius": FIRST, "final_tr_radius": LAST}

@@ -61,13 +61,21 @@ def run(options: argparse.Namespace) -> int:
         "margins": {name: {a: m._asdict() for a, m in of.items()} for name, of in least.items()},
     }
     write_json(options.out / "tune.json", told)
-    said = [*tune_report.answer(gained), f"forest-study tune --machine {options.machine}"]
+    said = tune_report.answer(gained)
     text = f"{tune_report.table(gained)}\n\n{tune_report.robustness(least['rule'], least['tuned'])}"
     (options.out / "tune.md").write_text(text + "\n", encoding="utf-8")
-    head = [f"Gains of {bench.machine.name}, by {said[-1]}.", *said[:-1]]
+    head = [f"Gains of {bench.machine.name}, by {_made(options)}", *said]
     (options.out / "profile.yaml").write_text(profile(tuned, head), encoding="utf-8")
-    print("\n".join([text, "", *(f"  {line}" for line in said[:-1]), f"  {options.out / 'profile.yaml'}"]))
+    print("\n".join([text, "", *(f"  {line}" for line in said), f"  {options.out / 'profile.yaml'}"]))
     return 0
+
+
+def _made(options: argparse.Namespace) -> str:
+    """Return the command that makes the same."""
+    return (
+        f"forest-study tune --machine {options.machine} --row {' '.join(dict.fromkeys(options.row))} "
+        f"--seeds {options.seeds} --trials {options.trials} --unseen {options.unseen}"
+    )
 
 
 class _Progress:
@@ -81,8 +89,7 @@ class _Progress:
         """Tell of the last trial."""
         self._best = min(self._best, last.cost)
         left = (time.monotonic() - self._begun) / count * (self._trials - count)
-        self._line.show(
-            f"{count} of {self._trials} trials, error {100 * math.expm1(self._best):+.1f} %, {left:.0f} s left"
-        )
+        change = 100.0 * math.expm1(self._best)
+        self._line.show(f"{count} of {self._trials} trials, error {change:+.1f} %, {left:.0f} s left")
         if count == self._trials:
             self._line.end()

@@ -16,7 +16,6 @@ FIGURES = {
     "velocity_rms": "velocity RMS",
     "activity": "valve activity",
 }
-WITHIN = 0.0  # of a change: an interval that holds it shows no difference
 
 
 def compared(ours: Sequence[Row], rule: Sequence[Row]) -> dict[str, dict[str, Any]]:
@@ -45,7 +44,7 @@ def answer(found: Mapping[str, Mapping[str, Any]]) -> list[str]:
     for name, row in found.items():
         for key in ("cross_track_rms_mm", "governed_rms_mm"):
             d = Difference(**row["figures"][key]["change"])
-            shown = "less" if d.low > WITHIN else "more" if d.high < WITHIN else "no difference is shown"
+            shown = "less" if d.low > 0.0 else "more" if d.high < 0.0 else "no difference is shown"
             said.append(f"{name}, {FIGURES[key]}: {shown}; {_change(d)} on {d.pairs} unseen plants.")
     return said
 
