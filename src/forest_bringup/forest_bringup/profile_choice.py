@@ -21,15 +21,12 @@ from forest_control.config.setting_file import SettingFileError
 from forest_control.operator.joystick_bag import is_bag
 from forest_msgs_py.interfaces.yaml_text import parsed
 
+OPERATORS = "operator's profile (default: exact for thesis, the recorded one for a bag, else default)"
 
-def add_profile_option(parser: argparse.ArgumentParser) -> None:
-    """Add `--profile`."""
-    parser.add_argument(
-        "--profile",
-        type=_profile,
-        metavar="NAME|FILE",
-        help="operator's profile (default: exact for thesis, the recorded one for a bag, else default)",
-    )
+
+def add_profile_option(parser: argparse.ArgumentParser, text: str = OPERATORS) -> None:
+    """Add `--profile`, with its help."""
+    parser.add_argument("--profile", type=_profile, metavar="NAME|FILE", help=text)
 
 
 def _profile(text: str) -> str:

@@ -15,6 +15,7 @@ In the order in which data passes:
 - `notebook`: The closed loop from a notebook: a machine, a loop, a trace of a run, its picture.
 - `learning`: A Gymnasium environment of the closed loop, and what our controller reaches in it.
 - `logs`: The log-moving benchmark: what tip control brings, over persons, with intervals.
+- `tune`: Gains for a machine file, searched for on the matrix' plants and judged on others.
 - `stability`: How far the position loops are from instability: Bode plots and margins.
 - `delay_node`: A bad link as a node: what it hears on `topic_in` it says on `topic_out`, later, jittered,
   or not at all.

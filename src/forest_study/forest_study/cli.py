@@ -27,6 +27,7 @@ from forest_study.results import StudyError, new_directory
 from forest_study.stability import bode_command
 from forest_study.sweep import sweep_command
 from forest_study.tracking import sway_command, track_command
+from forest_study.tune import tune_command
 
 PROGRAM = "forest-study"
 
@@ -60,6 +61,8 @@ def _parser() -> argparse.ArgumentParser:
         commands, "matrix", _matrix, "plants hidden from the controller, drawn by seed: the worst of them"
     )
     matrix_command.add_arguments(hidden)
+    text = "gains for a machine file, searched for on the matrix' plants and judged on others; a profile"
+    tune_command.add_arguments(_command(commands, "tune", _tune, text))
     faulty = _command(
         commands,
         "faults",
@@ -201,6 +204,13 @@ def _matrix(options: argparse.Namespace) -> int:
         return matrix_command.run(options)
     except PathError as error:
         raise StudyError(f"matrix: {error}") from error
+
+
+def _tune(options: argparse.Namespace) -> int:
+    try:
+        return tune_command.run(options)
+    except PathError as error:
+        raise StudyError(f"tune: {error}") from error
 
 
 def _faults(options: argparse.Namespace) -> int:

@@ -49,10 +49,20 @@ def test_sensors_that_are_out_are_named_and_their_axis_is_not_judged():
 
 
 def test_several_axes_that_were_out_from_the_start_mean_another_machine():
-    told = {"boom_gain_forward": -1.5, "stick_meter": 1.4, "stick_gain_backward": -1.2}
+    told = {"boom_gain_forward": -1.5, "stick_agree": 1.4, "stick_gain_backward": -1.2}
     assert ("machine", "machine file") not in named(told)  # it has come later
-    assert ("machine", "machine file") in named(told, at_start=tuple(told))
+    assert named(told, at_start=tuple(told)) == [("machine", "machine file")]
     assert ("machine", "machine file") not in named(told, at_start=("boom_gain_forward",))
+    frozen = named(told, at_start=tuple(told), frozen=("boom_transducer",))
+    assert ("machine", "machine file") not in frozen
+
+
+def test_a_meter_that_was_off_from_the_start_names_the_file_first_and_no_leak():
+    told = {"stick_meter": 4.0, "supply": -1.2}
+    assert named(told) == [("stick", "piston"), ("machine", "pump")]
+    assert named(told, at_start=("stick_meter",)) == [("machine", "machine file")]
+    leaks = told | {"stick_lost_1": -2.0, "stick_lost_2": 2.0}
+    assert named(leaks, at_start=("stick_meter",)) == [("machine", "machine file"), ("stick", "piston")]
 
 
 def test_each_pattern_is_of_residuals_that_there_are():

@@ -1,7 +1,8 @@
 """Operator profiles: stick curves, speeds, axis frame and mode of one person, in a file of theirs.
 
 A profile is a YAML mapping of some of the controller's settings (`KEYS`) to values; what it does
-not name is as in the shipped `default`. Shipped ones are named by their file, others by their path.
+not name is as in the shipped `default`, and gains are by the machine's rule. Shipped ones are named
+by their file, others by their path.
 """
 
 from typing import Any
@@ -11,6 +12,7 @@ from forest_control.config.setting_file import SettingFileError, is_number, ship
 from forest_description.types import AXES
 from forest_msgs_py.runtime.parameter_table import Parameter, table_rows
 
+GAINS = ("feedback_gain", "integral_gain", "rate_gain", "lead_time")  # of the coordinated scheme
 KEYS = (
     "mode",
     "axis_frame",
@@ -21,6 +23,7 @@ KEYS = (
     "joint_rates",
     "position_span",
     "joint_span",
+    *GAINS,
 )
 RULES = {row.name: row for row in table_rows(Settings) if row.name in KEYS}
 
@@ -40,6 +43,20 @@ def load_profile(name: str) -> dict[str, Any]:
         SettingFileError: no such profile, or something in it is not allowed.
     """
     return _overlaid(_overlaid({key: RULES[key].default for key in KEYS}, "default"), name)
+
+
+def with_gains_of(settings: Settings, name: str) -> Settings:
+    """Return settings with a profile's gains.
+
+    Args:
+        settings: all else.
+        name: as of `load_profile`.
+
+    Raises:
+        SettingFileError: as `load_profile`.
+    """
+    told = load_profile(name)
+    return settings._replace(**{key: told[key] for key in GAINS})
 
 
 def _overlaid(found: dict[str, Any], name: str) -> dict[str, Any]:

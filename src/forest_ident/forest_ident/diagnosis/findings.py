@@ -1,6 +1,6 @@
 """What the monitor's sums and sensors mean: causes by name, each with what it may be confused with."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from typing import NamedTuple
 
 from forest_description.types import AXES
@@ -19,8 +19,10 @@ OF_FILE = (
     "follow",
     "agree",
     "drain",
+    "meter",
 )  # residuals whose tolerance a machine file must keep
-SEVERAL = 2  # axes
+SEVERAL = 2  # axes; one, where a flow meter and a length sensor contradict the file's area
+METER = "meter"
 
 
 class Finding(NamedTuple):
@@ -73,10 +75,12 @@ def findings(told: Alarms) -> list[Finding]:
     """Return what is wrong, sensors first, then axis by axis."""
     found = [*_sensors(told.missing, "missing", SENSOR_LOST), *_sensors(told.frozen, "frozen", SENSOR_FROZEN)]
     blind = {_axis_of(name) for name in told.frozen}  # residuals of what is missing are silent by themselves
+    off_file = _off_file(told, blind)
+    moved = {name: x for name, x in told.residuals.items() if not (off_file and METER in name)}
     for part in (*AXES, MACHINE):
         if part not in blind:
-            found += _causes(part, _of_part(part, told.residuals))
-    return _with_file(found, told)
+            found += _causes(part, _of_part(part, moved))
+    return _with_file(found, off_file)
 
 
 def _sensors(names: Sequence[str], cause: str, words: tuple[str, str]) -> list[Finding]:
@@ -124,12 +128,21 @@ def _causes(part: str, there: Mapping[str, float]) -> list[Finding]:
     ]
 
 
-def _with_file(found: list[Finding], told: Alarms) -> list[Finding]:
-    """Return findings, those of a wrong machine file put together: several axes out from the start."""
+def _off_file(told: Alarms, blind: Collection[str]) -> dict[str, float]:
+    """Return what was out from the start, and its size, where that makes a machine file wrong; else nothing.
+
+    A meter that differs from area times speed since the start is no leak that came: the file is first.
+    """
     out = [name for name in told.at_start if name in told.residuals and any(part in name for part in OF_FILE)]
-    axes = {_axis_of(name) for name in out} - {MACHINE}
-    if len(axes) < SEVERAL:
+    sizes = {name: abs(told.residuals[name]) for name in out if _axis_of(name) not in blind}
+    axes = {_axis_of(name) for name in sizes} - {MACHINE}
+    return sizes if len(axes) >= SEVERAL or any(METER in name for name in sizes) else {}
+
+
+def _with_file(found: list[Finding], off_file: Mapping[str, float]) -> list[Finding]:
+    """Return findings, those of a wrong machine file put together and first."""
+    if not off_file:
         return found
-    cause, size = MACHINE_FILE, max(abs(told.residuals[name]) for name in out)
+    cause, size = MACHINE_FILE, max(off_file.values())
     rest = [one for one in found if one.cause not in cause.hides]
     return [Finding(MACHINE, cause.name, cause.text, cause.alike, cause.advice, size), *rest]

@@ -129,9 +129,10 @@ MACHINE_FILE = Cause(
     "machine file",
     False,
     (),
-    ("motion", "deadband", "length", "drain"),
-    "several axes move otherwise than the machine file says from the start: it may not be this machine's",
-    "a file that was never identified; sensors that were mixed up",
+    ("motion", "deadband", "length", "drain", "pump"),
+    "from the start the machine moves otherwise than its file says: the file may not be this machine's",
+    "a file that was never identified; sensors that were mixed up; of a meter alone, its calibration, or a "
+    "leak that was there before",
     "compare name plate and file; identify the machine (docs/how-to/real-iron.md)",
 )
 SENSOR_LOST = "no readings", "replace it, or its cable; until then what needs it is not watched"

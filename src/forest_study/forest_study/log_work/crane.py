@@ -1,7 +1,7 @@
 """The machine at work in closed loop, compiled, moved a look of the operator at a time.
 
 The link's round trip is halved: the crane is seen half of it late, and the levers act half of it late. The
-joystick speaks in every period, so that the guard does not take the delay for silence.
+joystick speaks once a look, as one of 50 Hz: between two words the controller interpolates.
 """
 
 import math
@@ -97,7 +97,7 @@ class Crane:
         prepared = loop_kernel.prepared(
             machine, held, pose_at(tip, machine), self.settings, drive, suite=noisy(machine, seed)
         )
-        self._session, self._plant = loop_kernel.Session(prepared), plant_parameters(machine)
+        self._session, self._plant = loop_kernel.Session(prepared, every=LOOK), plant_parameters(machine)
         first = self._session.loop.simulation
         self._pieces = [Piece(0, first, self._plant)]
         half = max(0, round(0.5 * trip / (LOOK * PERIOD)))

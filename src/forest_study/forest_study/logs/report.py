@@ -117,7 +117,7 @@ def _times(found: Sequence[Group]) -> Any:
         left = left + lengths
     axes.set_yticks(range(len(rows)), [label for label, _ in rows])
     axes.set_xlabel("s")
-    axes.legend(ncols=4, fontsize="small", loc="lower right")
+    figure.legend(ncols=4, fontsize="small", loc="outside upper center")
     return figure
 
 

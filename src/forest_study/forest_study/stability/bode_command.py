@@ -7,7 +7,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from forest_bringup.profile_choice import add_profile_option
 from forest_control.config.controller_settings import Settings
+from forest_control.config.profile_file import with_gains_of
 from forest_description.derived.limits import start_tip
 from forest_description.machine import Machine, load_machine
 from forest_description.types import AXES, Vec3
@@ -48,6 +50,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="V",
         help="of the joint's spool, in whose motion its loop is looked at; default: %(default)g",
     )
+    add_profile_option(parser, "whose gains the loops have, as tune writes (default: by the machine's rule)")
 
 
 def run(options: argparse.Namespace) -> int:
@@ -58,10 +61,11 @@ def run(options: argparse.Namespace) -> int:
     """
     machine = load_machine(options.machine)
     tips = [(x, y, z) for x, y, z in options.tip or [start_tip(machine)]]
+    settings = with_gains_of(Settings(), options.profile) if options.profile else Settings()
     try:
         poses = [(tip, start_angles(machine, tip)) for tip in tips]
         found = [
-            _looked_at(machine, tip, angles, axis, options.voltage)
+            _looked_at(machine, tip, angles, axis, options.voltage, settings)
             for tip, angles in poses
             for axis in range(3)
         ]
@@ -77,8 +81,10 @@ def run(options: argparse.Namespace) -> int:
     return 0
 
 
-def _looked_at(machine: Machine, tip: Vec3, angles: Vec3, axis: int, voltage: float) -> Result:
-    loop = position_loop(machine, angles, axis, voltage, Settings())
+def _looked_at(
+    machine: Machine, tip: Vec3, angles: Vec3, axis: int, voltage: float, settings: Settings
+) -> Result:
+    loop = position_loop(machine, angles, axis, voltage, settings)
     return Result(tip, axis, loop, margins(FREQUENCY, loop.plant), margins(FREQUENCY, loop.controlled))
 
 

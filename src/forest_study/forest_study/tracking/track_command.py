@@ -10,7 +10,9 @@ from functools import partial
 from typing import Any
 
 from forest_bringup.graph_lock import GraphError
+from forest_bringup.profile_choice import add_profile_option
 from forest_compile.kernel_cache import can_compile
+from forest_control.config.profile_file import with_gains_of
 from forest_control.servo.joint_angle_filter import Source
 from forest_control.servo.schemes import LABELS, scheme_named
 from forest_control.taught.tip_path import TipPath
@@ -43,6 +45,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add("--position-source", choices=sources, default=Source.CYLINDERS.name.lower(), help=text)
     add("--machine", default="c180", help="what is simulated: shipped machine or file (default: %(default)s)")
     add("--model", help="what controller and driver believe (default: the machine)")
+    add_profile_option(parser, "whose gains the controller has, as tune writes; its levers stay exact")
     add("--noise", action="store_true", help="sensors jitter")
     add("--static-errors", action="store_true", help="with --noise: uncalibrated sensors")
     add("--seed", type=whole(0), default=0, metavar="N", help="of the first run (default: %(default)s)")
@@ -122,6 +125,7 @@ def _run_all(
         "machine": machine.name,
         "model": model.name,
         "scheme": options.scheme,
+        "profile": options.profile,
         "position_source": options.position_source,
         "speed": options.speed,
         "adapt": options.adapt,
@@ -135,6 +139,8 @@ def _run_all(
     scheme, source = scheme_named(options.scheme), Source[options.position_source.upper()]
     for path in paths:
         course = prepare(path, options.speed, scheme, model, options.laps, source)
+        if options.profile:
+            course = course._replace(settings=with_gains_of(course.settings, options.profile))
         varied = partial(_varied, machine, options)
         runs, session = run_many(course, machine, seeds, varied, options.adapt)
         compared: list[dict[str, Any]] = [{}] * len(runs)
