@@ -28,7 +28,6 @@ from forest_description.derived.actuator_kinematics import displacements
 from forest_description.derived.limits import pose_at
 from forest_description.geometry.linkage import cylinder_length
 from forest_description.machine import Machine, load_machine
-from forest_msgs_py.types import PERIOD
 from forest_study.tracking.paths import path_named
 from forest_study.tracking.tracking import Course, follow, noisy, prepare
 
