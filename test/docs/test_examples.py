@@ -45,6 +45,7 @@ NOT_RUN = {
     "how-to/record-recover-replay.md": 1,
     "how-to/debug-in-lockstep.md": 2,
     "how-to/sweep.md": 1,
+    "how-to/tune.md": 1,
     "how-to/move-logs.md": 3,
     "how-to/secure-the-graph.md": 2,
     "how-to/two-hosts.md": 4,
