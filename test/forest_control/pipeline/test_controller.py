@@ -12,7 +12,7 @@ from forest_control.limits.velocity_scaling import ENOUGH, Limit, flow_demand
 from forest_control.limits.workspace import MOST, NO_WALL, PLANE, Wall, Workspace
 from forest_control.operator.levers import Levers, levers_for_tip_velocity
 from forest_control.operator.operator_profile import rate_mode_velocity
-from forest_control.pipeline import controller
+from forest_control.pipeline import controller, joint_servo
 from forest_control.pipeline.control_state import REST, Inputs, State
 from forest_control.servo import coordinated_servo
 from forest_control.servo.schemes import Scheme, closes_on_position
@@ -127,7 +127,7 @@ def test_commands_are_clipped_at_the_rated_voltage():
         _, output = controller.step(State(reference, True), inputs(), p, PERIOD)
         errors = np.subtract(reference, MIDDLE)
         assert max(map(abs, output.command)) <= 10.0
-        moved = np.abs(errors) > 0.004  # [rad] nearer, its low-passed error may hold a joint that rests
+        moved = np.abs(errors) > joint_servo.NEAR  # nearer, a joint that rests may hold
         assert all((np.sign(output.command) == np.sign(errors))[moved])
         clipped += sum(abs(volts) == 10.0 for volts in output.command)
     assert clipped > 500

@@ -23,6 +23,8 @@ from forest_control.servo.standing import kept_near
 from forest_description.geometry.kinematics import tip_velocity
 from forest_description.types import ZERO, Vec3
 
+NEAR = 0.002  # [rad] of the reference, where a position servo at rest may leave its valve shut
+
 
 def joint_servo(
     command: MotionCommand, reference: Reference, state: State, inputs: Inputs, p: Parameters, dt: float
@@ -86,5 +88,5 @@ def _joint_servo(
     s, v = inputs.angles[i], inputs.rates[i]
     seen, holds = coordinated_servo.held(memory, r[i] - s, still, p.coordinated, dt)
     signals = Signals(a=a, b=0.0, r=r[i], s=s, v=v, w=0.0)
-    u = 0.0 if holds else servo(p.scheme, signals, p.gains[i])
+    u = 0.0 if holds and abs(r[i] - s) < NEAR else servo(p.scheme, signals, p.gains[i])
     return Joint(a=a, error=seen, holding=holds), u

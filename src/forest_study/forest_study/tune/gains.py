@@ -13,15 +13,8 @@ Point = tuple[float, ...]
 NAMES = ("K_p swing", "K_p boom", "K_p stick", "D swing", "T swing", "T boom", "T stick")
 UNITS = (2.0, 2.0, 2.0, 0.4, 0.02, 0.02, 0.02)  # [1/s], [1], [s]: about what a step may change
 LOWEST = (0.25, 0.25, 0.25, 0.0, 0.0, 0.0, 0.0)  # [1/s], [1], [s]: K_p of the rule's least
-HIGHEST = (
-    12.0,
-    12.0,
-    12.0,
-    1.0,
-    0.1,
-    0.1,
-    0.1,
-)  # [1/s], [1], [s]: beyond, no shipped machine's loop is damped
+# [1/s], [1], [s]: beyond, no shipped machine's loop is damped
+HIGHEST = (12.0, 12.0, 12.0, 1.0, 0.1, 0.1, 0.1)
 DIGITS = 4  # of a gain that is kept: so a profile has the very gains that were judged
 BOUNDS = tuple((low / unit, high / unit) for low, high, unit in zip(LOWEST, HIGHEST, UNITS, strict=True))
 
