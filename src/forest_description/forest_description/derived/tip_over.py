@@ -49,8 +49,8 @@ def tip_over_margins(chassis: Chassis, m: Manipulator, angles: Vec3, log: float)
         angles: of swing, boom and stick [rad].
         log: mass in the head [kg].
     """
-    weights = (Weight(chassis.mass, chassis.centre_ahead, 0.0, chassis.centre_height),)
-    weights += _crane(chassis.pivot_height, m, angles, log)
+    vehicle = Weight(chassis.mass, chassis.centre_ahead, 0.0, chassis.centre_height)
+    weights = vehicle, *_crane(chassis.pivot_height, m, angles, log)
     down, across = math.cos(m.platform_tilt), math.sin(m.platform_tilt)
     return Margins(
         ahead=_margin(weights, (1.0, 0.0), chassis.ahead, down, across),
