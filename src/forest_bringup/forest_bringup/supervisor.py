@@ -188,7 +188,7 @@ class Supervisor:
                 stdout=sink,
                 stderr=sink,
                 env={**os.environ, PARENT_VARIABLE: str(os.getpid())},
-                start_new_session=True,  # a Ctrl-C reaches the supervisor exclusive, which keeps the order
+                start_new_session=True,  # a Ctrl-C reaches the supervisor alone, which keeps the order
             )
         if spec.urgent:
             raise_priority(popen.pid)

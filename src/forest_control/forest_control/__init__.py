@@ -4,7 +4,7 @@ In the order in which data passes:
 
 - `operator`: The operator's side: input devices, levers and their sources, stick curves, the watch over
   the joystick.
-- `limits`: What bounds a motion: joints, flow, actuator speeds, walls, singular poses.
+- `limits`: What bounds a motion: joints, flow, actuator speeds, load, walls, singular poses.
 - `servo`: The schemes' loops: from a tip velocity to joint rates, closed on the tip's position.
 - `valve`: The valve driver: deadband, gain and pressure drop compensated and adapted.
 - `config`: What a user sets: parameters with units and ranges, profiles, workspaces, joysticks,

@@ -57,7 +57,7 @@ class MotionGuard:
         self._unreadable = problem or ("" if in_order else GOES_BACK)
 
     def is_lost(self, now: float, override: Override) -> bool:
-        """Tell whether the machine's state came, and then not for too long, which disarms the levers."""
+        """Tell whether states came, and none was believed for too long, which disarms the levers."""
         if not motion_permission.is_lost(self.permission, now, self.p):
             return False
         self.disarm(now, override)

@@ -70,7 +70,7 @@ class Cause(IntEnum):
     UNBELIEVABLE = 2  # a state that cannot be read, or cannot be true
     DISORDER = 3  # a state whose stamp stands still or goes back
     TOO_SOON = 4  # a state too soon for a step
-    FAULT = 5  # of sensors or driver
+    FAULT = 5  # of sensors, driver or machine file, or a joint that moves by itself
     EMERGENCY_STOP = 6
     HANDS_OFF = 7
     OPERATOR = 8  # the joystick, or the deadman is not held
@@ -121,7 +121,7 @@ class PermissionParameters(NamedTuple):
 
 
 class Checks(NamedTuple):
-    """What the checks of sensors and driver remember."""
+    """What the checks of sensors, driver, machine file and joints remember."""
 
     still: Stillness = frozen_sensor.MOVING
     driver: DriverResponse = DriverResponse()
@@ -150,7 +150,7 @@ def heard(before: Permission, sample: Sample) -> Permission:
 
 
 def is_lost(permission: Permission, now: float, guard: PermissionParameters) -> bool:
-    """Tell whether the machine's state came, and then not for too long; the caller disarms."""
+    """Tell whether states came, and none was believed for longer than `state_timeout`; the caller disarms."""
     return permission.period.started and now - permission.received > guard.state_timeout
 
 

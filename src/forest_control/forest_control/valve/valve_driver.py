@@ -1,4 +1,4 @@
-"""The core of the deadband-compensating valve driver: it alone knows real valves from ideal ones.
+"""The core of the deadband-compensating valve driver: it alone knows how real valves differ from ideal ones.
 
 An ideal valve has no lap, is linear, and always sees the nominal pressure drop: its command is an
 actuator speed. A real valve opens only beyond its deadband, and its flow goes with the root of the

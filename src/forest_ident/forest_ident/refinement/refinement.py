@@ -102,8 +102,8 @@ def _unknowns(machine: Machine, session: Session, work: Task) -> list[Unknown]:
     for key in (*work.free, *work.carried):
         positive = is_positive(key)
         # An overlap that a curve in volts hides stays near its start, or it would leave the curve behind.
-        told = key in work.free and positive and not extension_keys.is_extension(key)
-        spread = math.inf if told else UNKNOWN
+        flat = key in work.free and positive and not extension_keys.is_extension(key)
+        spread = math.inf if flat else UNKNOWN
         unknown = Unknown(key, value_of(machine, key), spread, positive)
         coarse = extension_keys.COARSE.get(key.rpartition(".")[2], unknown.difference)
         found.append(unknown._replace(difference=coarse))

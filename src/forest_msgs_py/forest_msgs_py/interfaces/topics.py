@@ -10,7 +10,7 @@ symbol                meaning
 ====================  ======================================================================================
 labels                names of the values, in the order in which our nodes publish them
 units                 unit of each label; three, comma-separated, where a label has three values (JointState)
-absent           a sensor without a sample has no label in the message; a message without any is not sent
+absent                a sensor without a sample has no label in the message; a message without any is not sent
 port 1, port 2        the sides that move the axis in its positive and negative direction
 valve, actuator       place of a pressure transducer: at the valve's port, at the actuator's chamber
 ====================  ======================================================================================
@@ -127,12 +127,12 @@ AUXILIARY = Topic(
 )
 VALVE_COMMANDS = Topic(
     name="valve_commands", type=FLOAT_ARRAY, labels=JOINTS, units=("V",) * 3, rate_hz=_RATE,
-    doc="Voltage of an ideal valve (no lap, linear, nominal pressure drop): an actuator speed.",
+    doc="Wanted actuator speeds, as the voltages of ideal valves (no lap, linear, nominal pressure drop).",
     publishers=(_CONTROLLER,), subscribers=(_DRIVER,),
 )
 VALVE_VOLTAGES = Topic(
     name="valve_voltages", type=FLOAT_ARRAY, labels=JOINTS, units=("V",) * 3, rate_hz=_RATE,
-    doc="Voltage at the valve amplifier, with the deadband divided out.",
+    doc="Voltage at the valve amplifier, with the deadband added.",
     publishers=(_DRIVER,), subscribers=(_SIMULATOR, _CONTROLLER, _MONITOR),
 )
 VALVE_DRIVER_STATUS = Topic(

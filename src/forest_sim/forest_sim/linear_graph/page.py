@@ -6,6 +6,7 @@
 
 from __future__ import annotations
 
+import argparse
 import sys
 from collections.abc import Sequence
 from pathlib import Path
@@ -130,7 +131,9 @@ def files() -> dict[str, str]:
 
 def main() -> None:
     """Write the page and the drawings into the directory that is named, by default docs/explanation."""
-    root = Path(sys.argv[1] if len(sys.argv) > 1 else "docs/explanation")
+    parser = argparse.ArgumentParser(description=main.__doc__)
+    parser.add_argument("directory", nargs="?", type=Path, default=Path("docs/explanation"))
+    root = parser.parse_args().directory
     for name, text in files().items():
         (root / name).parent.mkdir(parents=True, exist_ok=True)
         (root / name).write_text(text, "utf-8")
