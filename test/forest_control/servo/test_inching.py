@@ -1,5 +1,7 @@
 """Claims about how a joint at rest is brought to its place."""
 
+from itertools import pairwise
+
 import pytest
 
 from forest_control.servo.inching import ARRIVED, FAR, LOOK, MOVING, NEAR, SETTLED, inched, is_due, served
@@ -65,10 +67,11 @@ def test_a_settled_joint_is_left_alone_but_for_what_can_be_seen():
     assert 0 < len(begun) < 5
 
 
-def test_whatever_happens_the_valve_crosses_its_overlap_ever_more_seldom():
+def test_whatever_happens_the_valve_crosses_its_overlap_ever_more_seldom_but_twice_a_minute():
     begun = at_rest(2e-3, -2.0, 300.0)[1]  # it never opens
     last = [time for time in begun if time > 200.0]
     assert len(last) * CROSSED / 100.0 < 0.5
+    assert max(after - before for before, after in pairwise(begun)) < 31.0
 
 
 def test_an_actuator_that_is_fed_is_left_to_the_servo():

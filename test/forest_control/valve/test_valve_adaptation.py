@@ -133,7 +133,7 @@ def test_an_open_valve_without_motion_widens_the_deadband_until_something_moves(
 
     run(SWING, law((0.15, 1.0)), [just_beyond] * 200, noise=2e-4)
     assert tops[0] == 0.0
-    assert 0.1 < max(tops) < 0.15 + 0.1 * adaptation.SEARCH
+    assert 0.1 < max(tops) < 0.25
     assert tops[-1] == pytest.approx(0.15, abs=0.02)
 
 
@@ -141,6 +141,21 @@ def test_a_dead_valve_is_searched_no_further_than_allowed():
     learner = run(SWING, law((3.0, 1.0)), [1.3] * 400)
     assert 0.0 < learner.forward.deadband <= P.adaptation.deadband_range
     assert learner.backward == NO_ESTIMATE.backward
+
+
+def test_a_shut_valve_whose_gain_is_at_its_end_is_opened_further_by_and_by():
+    course = []
+
+    def just_beyond(learner):
+        course.append(learner.forward.deadband)
+        return 1.1 + learner.forward.deadband
+
+    sure = adaptation.DirectionEstimate(stretch=0.8, p_dd=0.002, p_dk=-0.04, p_kk=1.0)
+    learner = NO_ESTIMATE._replace(forward=sure)
+    learner = run(SWING, law((0.3, 1.0)), [just_beyond] * 2000, noise=2e-4, learner=learner)
+    assert adaptation.gain(learner.forward) == pytest.approx(1.0 / P.adaptation.gain_range)
+    assert min(course) > -0.01
+    assert course[-1] > 0.05
 
 
 @pytest.mark.parametrize("volts", [[0.0] * 400, [0.9, -0.9] * 200], ids=["centred", "inside the overlap"])

@@ -35,6 +35,7 @@ FAR = 8e-4  # [rad] error that is left, from then on: 5 mm of the tip at 6 m
 SHARE = 0.7  # [1] g: k up to 2.8 still converges; chosen
 LITTLE = 0.35  # [1] least share of e that an inch shall take away, or the next is stronger; half of g
 STRONGEST = 4.0  # [1] greatest strength of an inch, doubled when it did not help; chosen, not measured
+LONGEST = 30.0  # [s] between inches: crossings of the overlap are then under 0.5 V/s, whatever goes wrong
 
 
 class Inching(NamedTuple):
@@ -104,7 +105,7 @@ def _judged(i: Inching, free_way: float) -> Inching:
         return i
     if abs(i.mean) < 0.5 * free_way + (FAR if settled else NEAR):
         return i._replace(waited=0.0, wait=max(LOOK, 0.5 * i.wait), before=0.0)
-    wait = 2.0 * i.wait if settled else LOOK
+    wait = min(LONGEST, 2.0 * i.wait) if settled else LOOK
     helped = abs(i.mean - i.before) > LITTLE * abs(i.before)
     strength = i.strength if helped else min(STRONGEST, 2.0 * i.strength)
     return i._replace(wait=wait, left=SHARE * i.mean, before=i.mean, strength=strength)

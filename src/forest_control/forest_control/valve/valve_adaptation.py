@@ -21,7 +21,7 @@ The regressor holds x as expected from the voltage: the measured x is noisy, whi
 downwards.
 
 A spool beyond the known deadband that moves nothing shows that the overlap is wider, but not how
-wide. So while the deadband is unsure, d is raised until something moves.
+wide. So while the deadband is unsure, d goes up to where the spool stands: the servo takes it on.
 """
 
 import math
@@ -52,11 +52,10 @@ LEAST_SHARE = 0.3  # [1] of the low-pass' memory in which the spool must have be
 PURITY = 0.95  # [1] of that, in this one direction and measurable: directions must not mix
 MODEL_VOLTS = 0.005  # [V] standard deviation of the valve's law itself; chosen, not measured
 MODEL_SHARE = 0.02  # [1] the same as a share of x; chosen, not measured
-UNSURE = 0.25  # [1] of the deadband's first variance: above it, d is searched, as above; chosen
+UNSURE = 0.25  # [1] of the deadband's first variance: above it, d is raised, as above; chosen
 CLEAR = 4.0  # [1] standard deviations that a flow, or its absence, must show: one in 16 000 by chance
 FINE = 0.35  # [1] of DEADBAND_SPREAD: a noisier flow cannot tell its absence; chosen
 LAG_SPREAD = 0.006  # [s] by which a spool may be slower or quicker than its file says; chosen
-SEARCH = 1.0  # [V/s] at which d is raised: the low-pass is 30 ms late, so d ends 30 mV too wide
 
 
 class AdaptationParameters(NamedTuple):
@@ -176,8 +175,7 @@ def _update(
     if noise < FINE * DEADBAND_SPREAD and way.p_dd > UNSURE and x < CLEAR * noise:
         searching = way.p_dd == 1.0 and way.deadband > 0.0
         if searching or expected - x > CLEAR * (noise + late):
-            wider = max(way.deadband, excess / share) + SEARCH * dt
-            return way._replace(deadband=min(a.deadband_range, wider))
+            return way._replace(deadband=min(a.deadband_range, max(way.deadband, excess / share)))
         return way
     model, slope = MODEL_VOLTS + MODEL_SHARE * abs(x), 1.0 + way.stretch
     variance = ((noise * noise + model * model) * slope * slope + late * late) * correlated_samples(dt)
@@ -209,12 +207,18 @@ def _least_squares(
 
 
 def _bounded(way: DirectionEstimate, edge: Direction, a: AdaptationParameters) -> DirectionEstimate:
-    """Return an estimate within its ranges; its covariance, never wider than at the start, cannot wind up."""
+    """Return the likeliest estimate within its ranges; its covariance is never wider than at the start.
+
+    What its range takes from the gain, the deadband makes up for. Else d would fall for ever while a valve
+    lets nothing through and k is at its end.
+    """
     lowest = -min(a.deadband_range, max(0.0, edge.deadband_voltage))
+    stretch = max(1.0 / a.gain_range - 1.0, min(a.gain_range - 1.0, way.stretch))
+    moved = way.p_dk / way.p_kk * (stretch - way.stretch) * DEADBAND_SPREAD / STRETCH_SPREAD
     s_d, s_k = 1.0 / math.sqrt(max(1.0, way.p_dd)), 1.0 / math.sqrt(max(1.0, way.p_kk))
     return DirectionEstimate(
-        deadband=max(lowest, min(a.deadband_range, way.deadband)),
-        stretch=max(1.0 / a.gain_range - 1.0, min(a.gain_range - 1.0, way.stretch)),
+        deadband=max(lowest, min(a.deadband_range, way.deadband + moved)),
+        stretch=stretch,
         p_dd=way.p_dd * s_d * s_d,
         p_dk=way.p_dk * s_d * s_k,
         p_kk=way.p_kk * s_k * s_k,

@@ -24,7 +24,6 @@ MECHANISMS: dict[str, Changes] = {
     "hold zone": {"valve_driver.hold_zone": 0.0},
     "low-pass of the error": {"servo.coordinated_servo.ERROR_LAG": 1e-6},
     "adaptation": {"valve_driver.adapt": False},
-    "search": {"valve.valve_adaptation.SEARCH": 0.0},
 }
 FACTORS = (0.5, 2.0)
 OF_MECHANISMS = ("paths", "slow")
