@@ -79,7 +79,7 @@ def fit(
         block: rows within which residuals may be correlated.
         prior: what earlier fits found, of parameters and of the sensors' static errors.
         redrawn: the rough model again, each time with the noise of its inputs drawn once more.
-        told: parameters that are not estimated, each moved by `EPSILON` of its standard deviation, by key.
+        told: parameters that are not estimated, each moved by its standard deviation, by key.
         rough: a quicker model, whose changes are near those of the model; without it the model itself.
     """
     problem = Problem(measured=measured, channels=channels, unknowns=unknowns, block=block, prior=prior)
@@ -188,11 +188,19 @@ class _Search:
     def _derivatives(self, theta: Floats, predicted: dict[str, Floats]) -> list[dict[str, Floats]]:
         found, base = [], self._base(theta, predicted)
         for place, unknown in enumerate(self._unknowns):
-            moved = theta.copy()
-            moved[place] += unknown.difference
-            after = self._simulate(self._rough, moved)
-            found.append({name: (after[name] - column) / unknown.difference for name, column in base.items()})
+            after, difference = self._moved(theta, place, unknown.difference)
+            found.append({name: (after[name] - column) / difference for name, column in base.items()})
         return found
+
+    def _moved(self, theta: Floats, place: int, difference: float) -> tuple[dict[str, Floats], float]:
+        """Return what a moved parameter predicts, and its move: downwards where no machine is above."""
+        moved = theta.copy()
+        moved[place] += difference
+        try:
+            return self._simulate(self._rough, moved), difference
+        except MachineError:
+            moved[place] -= 2.0 * difference
+            return self._simulate(self._rough, moved), -difference
 
     def _step(
         self,
