@@ -7,7 +7,7 @@ it. It is 1 with the crane over the middle and 0 where the far wheels lift. Acce
 
 import numpy as np
 
-from forest_description.components.manipulator import Manipulator
+from forest_description.mechanics.manipulator import Manipulator
 from forest_description.types import Floats
 from forest_study.log_work.site import Site
 
