@@ -9,7 +9,7 @@ makes them.
 
 With --machine c180, all that a fit looks for on that crane is drawn within 40 %: friction, air, load holding,
 hysteresis, backlash, damping. What a person tells is drawn within its uncertainty, head and boom by 5 %.
-An interval that the fit withholds is not counted.
+An interval that the fit withholds or doubts is not counted; how many these are is printed.
 
 Printed: how often each parameter's interval held the truth, and all of them pooled; with the standard error
 of a share that small, because 200 sessions know a share of 95 % to 1.5 %.
@@ -41,6 +41,7 @@ from forest_ident.refinement import extension_keys, told_numbers
 from forest_ident.refinement.identification import identify
 from forest_ident.refinement.refinement_task import INERTIAS, MASSES
 from forest_ident.refinement.result import value_in
+from forest_ident.validation.verdict import verdict
 
 DRAWN = (
     "valve.deadband_voltage",
@@ -83,27 +84,27 @@ def drawn_with_told(machine: Machine, generator: np.random.Generator) -> Machine
             continue
 
 
-def trial(seed: int, names: tuple[str, ...] = EXPERIMENTS, machine: str = PLAIN) -> Trial:
-    """Return (estimate - truth)/standard error of every parameter that one simulated session tells."""
+def trial(
+    seed: int, names: tuple[str, ...] = EXPERIMENTS, machine: str = PLAIN
+) -> tuple[Trial, dict[str, str]]:
+    """Return (estimate - truth)/standard error of what one simulated session tells, and what it doubts."""
     start, generator = load_machine(machine), np.random.default_rng([seed, 95])
     truth = drawn(start, generator) if machine == PLAIN else drawn_with_told(start, generator)
     sessions = [experiment(name, truth, seed=seed) for name in names]
-    found = identify(start, sessions).estimates
-    away = {}
+    result = identify(start, sessions)
+    found, doubts, away = result.estimates, verdict(result).doubts, {}
     for key in DRAWN if machine == PLAIN else found:
-        if key in found and not found[key].withheld:
-            e, true = found[key], value_in(truth, key)
-            if true is None:
-                continue
+        if key in found and (true := value_in(truth, key)) is not None:
+            e = found[key]
             error = math.log(e.value / true) if e.positive else e.value - true
             away[key] = error / (e.standard_error / (e.value if e.positive else 1.0))
-    return away
+    return away, doubts
 
 
-def timed(seed: int, names: tuple[str, ...], machine: str) -> tuple[Trial, float]:
+def timed(seed: int, names: tuple[str, ...], machine: str) -> tuple[Trial, dict[str, str], float]:
     """Return a trial with the CPU time that it took [s]."""
     began = time.process_time()
-    return trial(seed, names, machine), time.process_time() - began
+    return *trial(seed, names, machine), time.process_time() - began
 
 
 def coverage(trials: list[Trial]) -> dict[str, float]:
@@ -154,8 +155,9 @@ def missing(
     with ProcessPoolExecutor(processes) as pool:
         running = {pool.submit(timed, seed, names, machine): seed for seed in seeds}
         for done in as_completed(running):
-            away, seconds = done.result()
-            yield running[done], {"away": away, "cpu_s": round(seconds, 2), "source": of_source}
+            away, doubts, seconds = done.result()
+            one = {"away": away, "doubts": doubts, "cpu_s": round(seconds, 2), "source": of_source}
+            yield running[done], one
 
 
 def main() -> None:
@@ -181,7 +183,9 @@ def main() -> None:
             told = {"machine": options.machine, "experiments": names, "sessions": done}
             options.json.write_text(json.dumps(told, indent=1) + "\n")
     counted = [done[seed] for seed in seeds]
-    print(table([one["away"] for one in counted]))
+    doubted = [key for one in counted for key in one["away"] if key in one.get("doubts", {})]
+    print(table([{k: z for k, z in o["away"].items() if k not in o.get("doubts", {})} for o in counted]))
+    print(f"doubted, and not counted: {len(doubted)} ({', '.join(sorted(set(doubted))) or 'none'})")
     print(f"CPU time {sum(one['cpu_s'] for one in counted):.0f} s of {len(counted)} sessions")
     of = Counter(one["source"] for one in counted)
     print(f"sessions by source of forest_ident: {', '.join(f'{k}: {n}' for k, n in of.items())}")

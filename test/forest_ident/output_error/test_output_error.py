@@ -99,6 +99,19 @@ def test_a_plant_that_sticks_is_found_by_derivatives_over_more_than_its_steps():
     assert found.errors["rate"] < 0.03
 
 
+def test_a_step_that_the_plant_refuses_counts_as_an_error():
+    def line(values):
+        return {"y": values["slope"] * X}
+
+    def walled(values):  # beyond 1.015 the plant does something else altogether
+        return {"y": line(values)["y"] + 50.0 * (values["slope"] > 1.015)}
+
+    y = 1.1 * X + np.random.default_rng(5).normal(0.0, 0.01, len(X))
+    found = fit(walled, {"y": y}, [Channel("y", 0.01)], [Unknown("slope", 1.0)], rough=line)
+    assert found.values["slope"] < 1.02
+    assert found.errors["slope"] > 0.06
+
+
 def test_a_derivative_is_taken_downwards_where_no_machine_is_above():
     def bounded(values):
         if values["rate"] > 1.0:

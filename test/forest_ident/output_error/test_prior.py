@@ -189,7 +189,8 @@ def test_residuals_that_hang_together_widen_what_the_data_say_and_not_what_was_b
         factors.append(1.0 + excess**3 / (excess**2 + 4.0 * 2.0 / (rows // longer)))
     factor = max(factors)
     assert factor > 5.0
-    assert found.errors["a"] ** 2 == pytest.approx(known * s * s + factor * data * s * s, rel=1e-6)
+    # The search ends within a hundredth of a standard error, and counts that.
+    assert found.errors["a"] ** 2 == pytest.approx(known * s * s + factor * data * s * s, rel=1e-4)
 
 
 def test_nothing_known_pulls_nothing():

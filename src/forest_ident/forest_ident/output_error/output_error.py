@@ -39,6 +39,7 @@ from forest_ident.output_error.gaussian_estimate import (
     EMPTY,
     GaussianEstimate,
     condition_number,
+    covariance_of,
     inverse,
     updated,
 )
@@ -144,7 +145,8 @@ class _Search:
             return {name: column + (moved[name] - base[name]) for name, column in predicted.items()}
 
         inputs = [after(model, MappingProxyType({})) for model in redrawn]
-        covariance = problem.covariance(theta, predicted, jacobian, inputs)
+        untaken = self._untaken(theta, predicted, jacobian)
+        covariance = problem.covariance(theta, predicted, jacobian, inputs) + np.outer(untaken, untaken)
         values = problem.values(theta)
         others = [after(self._rough, number) if number else predicted for number in told]
         before = prior.moves(problem.names, len(told))
@@ -163,6 +165,12 @@ class _Search:
             told_noise=told_noise,
             converged=converged,
         )
+
+    def _untaken(self, theta: Floats, predicted: dict[str, Floats], jacobian: Jacobian) -> Floats:
+        """Return the step that derivatives still ask for: where chance refuses it, it counts as an error."""
+        information, gradient = self._problem.normal(theta, predicted, jacobian)
+        known = self._problem.known
+        return -covariance_of(information + known) @ (gradient + known @ (theta - self._problem.mean))
 
     def _distance(self, theta: Floats, taken: Floats) -> float:
         """Return how far positive parameters are from where derivatives were taken; others act linearly."""
