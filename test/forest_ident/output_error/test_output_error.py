@@ -110,6 +110,7 @@ def test_a_step_that_the_plant_refuses_counts_as_an_error():
     found = fit(walled, {"y": y}, [Channel("y", 0.01)], [Unknown("slope", 1.0)], rough=line)
     assert found.values["slope"] < 1.02
     assert found.errors["slope"] > 0.06
+    assert not found.converged
 
 
 def test_a_derivative_is_taken_downwards_where_no_machine_is_above():

@@ -52,6 +52,7 @@ CONVERGED = 0.1  # of the standard errors, that the last step moved what other r
 STALE = 0.03  # of a positive parameter, from where derivatives were taken, to take them again
 SLOW = 0.3  # of the last step; after a longer step derivatives are taken again, too
 LITTLE = 0.03  # by which a step lowers the cost at least, if the search is to go on: 1 is a standard error
+REFUSED = 0.05  # share of the cost, or of the rows, that derivatives promise where a search got stuck
 USELESS = 0.01  # share of the cost, the same, where the model does not explain the record
 
 Model = Callable[[Mapping[str, float]], Columns]
@@ -154,6 +155,8 @@ class _Search:
         sds = np.sqrt(np.maximum(np.diag(covariance), 0.0))[: problem.count].tolist()
         pairs = zip(self._unknowns, sds, strict=True)
         information = problem.normal(theta, predicted, jacobian)[0] + problem.known
+        usual = max(problem.cost(theta, predicted), sum(len(column) for column in predicted.values()))
+        refused = float(untaken @ information @ untaken) > REFUSED * usual
         return Fit(
             values=values,
             errors={u.key: sd * values[u.key] if u.positive else sd for u, sd in pairs},
@@ -163,7 +166,7 @@ class _Search:
             noise=dict(problem.sigma),
             iterations=iterations,
             told_noise=told_noise,
-            converged=converged,
+            converged=converged and not refused,
         )
 
     def _untaken(self, theta: Floats, predicted: dict[str, Floats], jacobian: Jacobian) -> Floats:
