@@ -15,6 +15,7 @@ from forest_ident.driving.simulated_experiment import experiment
 from forest_ident.estimators.parameter_estimate import Estimate
 from forest_ident.experiments import experiment_metadata
 from forest_ident.measurements import session_bag
+from forest_ident.measurements.session import Session
 from forest_ident.output_error.fit_problem import Channel, Problem, Unknown
 from forest_ident.output_error.gaussian_estimate import EMPTY
 from forest_ident.refinement import data_quality, identification
@@ -235,12 +236,39 @@ def test_a_hole_in_a_bag_is_told_as_one(sessions, tmp_path, capsys):
     assert re.search(r"holed: a hole from 20\.00 to 23\.00 s, without a sample of", said), said
 
 
-def test_a_broken_experiment_yaml_is_one_sentence(bags, sessions, tmp_path, capsys):
+@pytest.mark.parametrize(("first", "last", "until"), [(200, 350, "1.75"), (300, 500, "2.50")])
+def test_a_hole_of_one_topic_is_no_straight_line(first, last, until, sessions, tmp_path, capsys, monkeypatch):
+    whole = sessions["damping_boom"]
+    silent = {name: column.copy() for name, column in whole.readings.items() if name.endswith("flow")}
+    for column in silent.values():
+        column[first:last] = np.nan
+    with monkeypatch.context() as writing:  # rows without a sample become no messages
+        writing.setattr(Session, "has", lambda self, *names: all(name in self.readings for name in names))
+        session_bag.write(
+            dataclasses.replace(whole, readings={**whole.readings, **silent}), tmp_path / "holed"
+        )
+    code, _, said = fit(tmp_path, tmp_path, capsys, "holed")
+    assert code == 1
+    assert re.search(
+        rf"a hole from 1\.\d\d to {until} s, without a sample of hydraulics/flows swing_1", said
+    ), said
+
+
+@pytest.mark.parametrize(
+    ("text", "why"),
+    [
+        ("experiment: [damping_boom\nfacts: {\n", "while parsing a flow sequence"),
+        ("", "it names no experiment"),
+        ("- damping_boom\n", "it names no experiment"),
+        ("facts: {}\n", "it names no experiment"),
+    ],
+)
+def test_a_broken_experiment_yaml_is_one_sentence(text, why, sessions, tmp_path, capsys):
     session_bag.write(sessions["damping_boom"], tmp_path / "broken")
-    (tmp_path / "broken" / "experiment.yaml").write_text("experiment: [damping_boom\nfacts: {\n")
+    (tmp_path / "broken" / "experiment.yaml").write_text(text)
     code, _, said = fit(tmp_path, tmp_path, capsys, "broken")
     assert (code, len(said.strip().splitlines())) == (1, 1)
-    assert "experiment.yaml: not usable (" in said
+    assert f"experiment.yaml: not usable ({why}" in said
 
 
 def test_a_laminar_hoses_record_under_the_other_name_is_refused(tmp_path, capsys):

@@ -44,6 +44,12 @@ def test_what_moves_by_chance_is_known_less_well_and_hangs_together_less():
     assert widened(EMPTY, {"b": 1.0}).names == ()
 
 
+def test_what_told_numbers_move_is_part_of_a_spread():
+    plain = GaussianEstimate(("a",), np.zeros(1), np.array([[9.0]]))
+    assert plain.spread("a") == pytest.approx(3.0)
+    assert plain._replace(slopes=np.array([[4.0, 12.0]])).spread("a") == pytest.approx(13.0)
+
+
 def test_a_direction_that_nobody_sees_is_unknown():
     seen = np.array([[1.0, 1.0], [1.0, 1.0]])  # the sum alone
     assert np.all(np.diag(covariance_of(seen)) > 1e10)

@@ -1,6 +1,7 @@
 import numpy as np
 import pytest
 
+from forest_description.config.parameter import MachineError
 from forest_ident.output_error import output_error
 from forest_ident.output_error.fit_problem import Channel, Unknown
 from forest_ident.output_error.gaussian_estimate import condition_number, inflation
@@ -96,6 +97,31 @@ def test_a_plant_that_sticks_is_found_by_derivatives_over_more_than_its_steps():
     found = fit(sticking, {"y": y}, [Channel("y", 0.05)], [Unknown("size", 1.0), Unknown("rate", 4.00004)])
     assert abs(found.values["rate"] - 3.0) < 3.0 * found.errors["rate"]
     assert found.errors["rate"] < 0.03
+
+
+def test_a_step_that_the_plant_refuses_counts_as_an_error():
+    def line(values):
+        return {"y": values["slope"] * X}
+
+    def walled(values):  # beyond 1.015 the plant does something else altogether
+        return {"y": line(values)["y"] + 50.0 * (values["slope"] > 1.015)}
+
+    y = 1.1 * X + np.random.default_rng(5).normal(0.0, 0.01, len(X))
+    found = fit(walled, {"y": y}, [Channel("y", 0.01)], [Unknown("slope", 1.0)], rough=line)
+    assert found.values["slope"] < 1.02
+    assert found.errors["slope"] > 0.06
+    assert not found.converged
+
+
+def test_a_derivative_is_taken_downwards_where_no_machine_is_above():
+    def bounded(values):
+        if values["rate"] > 1.0:
+            raise MachineError("allowed: up to 1")
+        return {"y": values["rate"] * np.linspace(0.0, 1.0, 400)}
+
+    y = 0.998 * np.linspace(0.0, 1.0, 400) + np.random.default_rng(2).normal(0.0, 1e-3, 400)
+    found = fit(bounded, {"y": y}, [Channel("y", 1e-3)], [Unknown("rate", 0.995)])
+    assert found.values["rate"] == pytest.approx(0.998, abs=4.0 * found.errors["rate"])
 
 
 def test_what_no_other_record_feels_keeps_no_search_going():

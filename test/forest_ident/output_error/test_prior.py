@@ -84,7 +84,7 @@ def test_a_prior_pulls_a_bent_model_from_afar_to_the_least_of_both_sums(size, ra
         assert found.errors[name] >= 0.9 * errors[place] * found.values[name]
         assert found.errors[name] == pytest.approx(found.posterior.of(name)[1] * found.values[name])
     there = np.log([found.values["size"], found.values["rate"]])
-    assert np.abs(there - best.x).max() < 0.1 * errors.min()  # as near as the search goes
+    assert np.all(np.abs(there - best.x) < 0.1 * errors)  # as near as the search goes
     assert np.abs(best.x - np.log(2.0)).max() > errors.max()  # the prior has a say
 
 
@@ -189,7 +189,8 @@ def test_residuals_that_hang_together_widen_what_the_data_say_and_not_what_was_b
         factors.append(1.0 + excess**3 / (excess**2 + 4.0 * 2.0 / (rows // longer)))
     factor = max(factors)
     assert factor > 5.0
-    assert found.errors["a"] ** 2 == pytest.approx(known * s * s + factor * data * s * s, rel=1e-6)
+    # The search ends within a hundredth of a standard error, and counts that.
+    assert found.errors["a"] ** 2 == pytest.approx(known * s * s + factor * data * s * s, rel=1e-4)
 
 
 def test_nothing_known_pulls_nothing():

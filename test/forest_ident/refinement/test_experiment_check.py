@@ -90,3 +90,18 @@ def test_a_hoses_record_with_the_other_hoses_facts_is_refused(name, laminar):
         SessionError, match=f"{name}: its experiment.yaml says laminar {laminar:g}; allowed: "
     ):
         demand(C180, dataclasses.replace(record(name, (0,)), metadata=facts))
+
+
+@pytest.mark.parametrize(("name", "pressure"), [("damping_boom", 2.2e6), ("valve", 2.2e6), ("gravity", 45e6)])
+def test_a_record_whose_supply_rests_where_this_pump_does_not_is_refused(name, pressure):
+    read = np.full(100, C180.pump.idle_pressure)
+    one = dataclasses.replace(record(name, (1,)), readings={"supply_pressure": 0.6 * read})
+    demand_machine(C180, one)  # a pump that a person set otherwise
+    strange = dataclasses.replace(one, readings={"supply_pressure": np.full(100, pressure)})
+    said = (
+        rf"{name}: the supply stands at {1e-6 * pressure:.3g} MPa before a valve opens; allowed on c180_hoses"
+    )
+    with pytest.raises(SessionError, match=said):
+        demand_machine(C180, strange)
+    moving = np.full((100, 3), 4.0)  # with a valve open from the first row, the supply tells nothing
+    demand_machine(C180, dataclasses.replace(strange, voltages=moving))

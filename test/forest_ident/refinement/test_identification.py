@@ -1,11 +1,18 @@
+import math
+
+import numpy as np
 import pytest
 
 from forest_description.machine import load_machine
 from forest_ident.estimators.parameter_estimate import Estimate
 from forest_ident.measurements.parameter_path import value_of
-from forest_ident.measurements.session import SessionError
+from forest_ident.measurements.session import Session, SessionError
+from forest_ident.output_error.fit_problem import Fit
+from forest_ident.output_error.gaussian_estimate import GaussianEstimate
 from forest_ident.output_error.prediction import predict
+from forest_ident.refinement import linear_estimates, refinement
 from forest_ident.refinement.identification import identify
+from forest_ident.refinement.refinement_task import Task
 from forest_ident.refinement.result import unidentified
 from forest_ident.report import machine_writer
 from forest_ident.validation import prediction_error
@@ -87,3 +94,39 @@ def test_data_that_cannot_tell_say_so_and_which_motion_would():
     alike = e._replace(standard_error=1e5, condition=1e7)
     assert "told apart" in alike.checked().warning
     assert e._replace(standard_error=1e5).checked().warning == ""
+
+
+def told_by_records(monkeypatch, slopes):
+    """Return what two records of the swing tell, the later one's damping with a told number's move."""
+    volts = np.zeros((100, 3))
+    volts[50:, 0] = 4.0
+    records = [
+        Session(name, 0.005 * np.arange(100), volts, {}) for name in ("motor_external", "damping_swing")
+    ]
+    names = ("swing.damping", "hose.inertance", "swing_flow.g")
+
+    def refined(_machine, session, _known, _progress, _told):
+        first = session.name == "motor_external"
+        move = np.array([[0.0 if first else slopes], [0.0], [0.0]])
+        found = GaussianEstimate(names, np.log([2e4 if first else 3e4, 1.0, 1.0]), 0.01 * np.eye(3), move)
+        value, error = math.exp(found.mean[0]), 0.1 * math.exp(found.mean[0])
+        told = Fit(
+            *({"swing.damping": value}, {"swing.damping": error}, 1.0, found, {}, {}, 1, {}),
+        )
+        return Task(free=names[:1], carried=names[1:2], channels=()), told
+
+    monkeypatch.setattr(refinement, "refine", refined)
+    monkeypatch.setattr(linear_estimates, "estimates", lambda *_: [])
+    return identify(load_machine("c180_hoses"), records)
+
+
+def test_a_record_passes_on_what_it_tells_and_no_more(monkeypatch):
+    result = told_by_records(monkeypatch, slopes=0.0)
+    assert set(result.known.names) == {"swing.damping", "swing_flow.g"}
+    assert result.estimates["swing.damping"].value == pytest.approx(3e4)
+
+
+def test_a_record_that_knows_a_number_less_well_does_not_move_it(monkeypatch):
+    result = told_by_records(monkeypatch, slopes=0.5)
+    assert result.estimates["swing.damping"].value == pytest.approx(2e4)
+    assert result.machine.swing.damping == pytest.approx(2e4)

@@ -7,7 +7,7 @@ from forest_description.machine import load_machine, uncertainties
 from forest_ident.driving.simulated_experiment import experiment
 from forest_ident.estimators.parameter_estimate import NORMAL_95, Estimate
 from forest_ident.measurements.parameter_path import value_of, with_values
-from forest_ident.output_error.fit_problem import EPSILON, Channel, Unknown
+from forest_ident.output_error.fit_problem import Channel, Unknown
 from forest_ident.output_error.gaussian_estimate import GaussianEstimate
 from forest_ident.output_error.output_error import fit
 from forest_ident.refinement import told_numbers
@@ -63,12 +63,27 @@ def line(values):
     return {"y": values["slope"] * time + values.get("told", 0.0) * (time > 0.5)}
 
 
+def test_a_plant_that_answers_with_chance_is_not_taken_for_one_that_feels_a_told_number():
+    def sticking(values):  # one event falls to another row as soon as anything differs
+        moved = values != {"slope": values["slope"]} or abs(values["slope"] - 2.0) > 1e-9
+        return {"y": line(values)["y"] + 0.02 * moved * (np.arange(400) == 200)}
+
+    unknown, channel = Unknown("slope", 2.0, positive=False), Channel("y", 0.01)
+    measured = {"y": line({"slope": 2.0})["y"]}
+    felt, stuck = (
+        fit(model, measured, [channel], [unknown], told=[{"told": 0.005}]).posterior.slopes
+        for model in (line, sticking)
+    )
+    assert felt is not None
+    assert stuck == pytest.approx(felt, rel=0.3)
+
+
 def test_an_estimate_moves_with_a_told_number_as_a_fit_with_another_one_does():
     generator = np.random.default_rng(4)
     measured = {"y": line({"slope": 2.0})["y"] + generator.normal(0.0, 0.01, 400)}
     unknown, channel = Unknown("slope", 1.0, positive=False), Channel("y", 0.01)
     sd = 0.05
-    one = fit(line, measured, [channel], [unknown], told=[{"told": EPSILON * sd}])
+    one = fit(line, measured, [channel], [unknown], told=[{"told": sd}])
     other = fit(lambda v: line({**v, "told": sd}), measured, [channel], [unknown])
     moved = other.values["slope"] - one.values["slope"]
     assert one.posterior.slopes == pytest.approx(np.array([[moved]]), rel=1e-3)

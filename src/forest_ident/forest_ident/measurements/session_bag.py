@@ -39,6 +39,7 @@ from forest_msgs_py.serialization.batch_encoder import Encoder
 FILE = "experiment.yaml"
 SAME_CLOCK = 1_000_000_000  # [ns] by which a message may be sent later than it is stamped
 HOLE = 0.5  # [s] without samples: what moved meanwhile, nobody knows
+SLOW = 3.0  # times the usual distance of a sensor's samples, the same where that is long
 TICK = 1000  # [ns]
 CHUNK_BYTES = 1024 * 1024
 POSITION = ".position"  # ends a label of topics with positions and speeds
@@ -141,7 +142,7 @@ def read(path: Path) -> Session:
     time -= time[0] if len(time) else 0.0
     if len(time) < 3 or not np.all(np.diff(time) > 0.0):
         raise SessionError(f"{path}: needs three samples or more with rising stamps")
-    _refuse_hole(path, base, np.asarray(time, dtype=np.float64))
+    _refuse_hole(path, base.name, np.asarray(time, dtype=np.float64))
     begin = int(bag.series(base).time_ns[0])
     period = float(np.median(np.diff(time)))
     grid = period * np.arange(round(time[-1] / period) + 1)
@@ -157,23 +158,28 @@ def read(path: Path) -> Session:
         if bag.name(topic) is None or label not in bag.series(topic).labels:
             continue
         series = bag.series(topic)
-        readings[channel] = _at(series.time_ns - begin, series.column(label), grid)
+        stamps, values = series.time_ns - begin, series.column(label)
+        good = stamps[np.isfinite(values)] * 1e-9
+        if len(good) > 1:  # up to the end, too: a sensor that died is not still
+            _refuse_hole(path, f"{topic.name} {label}", np.append(good, max(good[-1], grid[-1])))
+        readings[channel] = _at(stamps, values, grid)
     return Session(
         name=name, time=grid, voltages=voltages, readings=readings, metadata=facts, whole=bag.complete
     )
 
 
-def _refuse_hole(path: Path, base: Topic, time: Floats) -> None:
-    """Refuse a record in whose middle samples are missing.
+def _refuse_hole(path: Path, what: str, time: Floats) -> None:
+    """Refuse a record in whose middle samples are missing; those of a slow sensor are further apart.
 
     Raises:
         SessionError: some are.
     """
-    widest = int(np.argmax(np.diff(time)))
+    apart = np.diff(time)
+    widest = int(np.argmax(apart))
     begin, end = time[widest], time[widest + 1]
-    if end - begin > HOLE:
+    if end - begin > max(HOLE, SLOW * float(np.median(apart))):
         raise SessionError(
-            f"{path}: a hole from {begin:.2f} to {end:.2f} s, without a sample of {base.name}; allowed: "
+            f"{path}: a hole from {begin:.2f} to {end:.2f} s, without a sample of {what}; allowed: "
             f"holes up to {HOLE} s: record it again, or cut it into two bags"
         )
 
@@ -220,6 +226,8 @@ def _experiment(path: Path) -> tuple[str, dict[str, float]]:
         return "motion", {}
     try:
         content = parsed(file.read_text("utf-8"))
+        if not isinstance(content, dict) or "experiment" not in content:
+            raise ValueError("it names no experiment")
         name = str(content["experiment"])
         facts = {str(key): value(str(key), entry) for key, entry in (content.get("facts") or {}).items()}
     except (yaml.YAMLError, AttributeError, KeyError, TypeError, ValueError) as error:

@@ -9,6 +9,7 @@
 | holding | counterbalance valves at boom and stick | a back pressure while the load is lowered |
 | bending | boom and stick that bend, a column that twists | oscillations of the links after steps |
 | pendulum | a head that hangs | a slow sway after each change of speed |
+| leakage | spools that leak past their overlap | a load that sinks while its valve is shut |
 | curve | notches: the opening grows with a power of the stroke | an error over the voltage, at any speed |
 
 Sizes are usual ones of a crane; those that grow with the crane follow from its areas, masses and pressures.
@@ -44,6 +45,7 @@ PLAY, DEAD_TIME = 0.04, 0.008  # of the rated voltage, usual of valves without s
 STROKE_TIME = 0.04  # [s] from the centre to full opening: what a pilot stage's flow allows
 SETTING = 1.3  # times the pump's pressure, above any load that the crane was made for
 SAG = 0.008  # [rad] by which the outstretched crane's weight bends a link: usual of welded beams
+LEAK = 8.3e-8  # [m^3/s] past an edge at the pump's pressure, 5 mL/min: a good spool
 POWER = 1.5  # of the stroke, with which the opening of notches grows
 KNOTS = (0.1, 0.2, 0.3, 0.45, 0.6, 0.8, 1.0)  # of the stroke
 
@@ -126,6 +128,14 @@ def _hysteresis(machine: Machine) -> Machine:
             dead_time=valve.dead_time or DEAD_TIME,
             spool_slew_limit=valve.spool_slew_limit or valve.rated_voltage / STROKE_TIME,
         )
+
+    return _each_valve(machine, changed)
+
+
+def _leakage(machine: Machine) -> Machine:
+    def changed(valve: Valve) -> Valve:
+        least = LEAK / machine.pump.supply_pressure
+        return dataclasses.replace(valve, leakage_conductance=valve.leakage_conductance or least)
 
     return _each_valve(machine, changed)
 
@@ -246,6 +256,7 @@ CANDIDATES = (
     ),
     Candidate("bending", "links that bend", "oscillations of the links after each change of speed", _bending),
     Candidate("pendulum", "a head that hangs", "a slow sway after each change of speed", _pendulum),
+    Candidate("leakage", "spools that leak", "a load that sinks while its valve is shut", _leakage),
     Candidate(
         "curve",
         "a valve whose opening is not straight over the voltage",
@@ -261,7 +272,7 @@ ADDED = (
     *(
         f"{section}.{part}"
         for section in SECTIONS
-        for part in ("hysteresis", "dead_time", "spool_slew_limit", "curve")
+        for part in ("hysteresis", "dead_time", "spool_slew_limit", "curve", "leakage_conductance")
     ),
 )
 """Sections and numbers that candidates add."""

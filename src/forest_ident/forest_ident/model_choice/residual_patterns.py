@@ -38,7 +38,7 @@ from forest_ident.refinement.result import Refined, Result
 SAID = 0.3  # share of the squares from which a candidate is named
 SIZES = 0.1, 10.0  # over the usual one: another pattern than the candidate's, if beyond
 LEFT = 1.5  # times a sensor's noise: smaller residuals leave nothing to name
-DIFFERENCE = 1e-3  # relative, of a parameter
+DIFFERENCE = 1e-2  # relative, of a parameter
 
 
 class Finding(NamedTuple):

@@ -28,7 +28,6 @@ FEWEST = 16  # blocks that show a scatter
 
 
 FAR = 5.0  # times a sensor's noise: greater residuals are errors of the model
-EPSILON = 1e-3  # of a told number's standard deviation, by which it is moved
 
 
 class Unknown(NamedTuple):
@@ -38,9 +37,10 @@ class Unknown(NamedTuple):
     start: float
     prior: float = math.inf  # standard deviation; of a positive one relative
     positive: bool = True
-    difference: float = 1e-3
-    """For derivatives; of a positive one relative. The curvature is 3e-3 of a derivative. A plant that sticks
-    answers a difference of 1e-6 with the chance of which step its friction lets go in."""
+    difference: float = 1e-2
+    """For derivatives; of a positive one relative. The curvature is 3 % of a derivative. A plant that sticks
+    answers any difference with the chance of which step its friction lets go in: with 1e-3 that may be more
+    than what is looked for."""
     own: bool = False  # of one record alone: no other feels it
 
 
@@ -242,7 +242,7 @@ class Problem:
             theta: at the end of the fit.
             predicted: there.
             jacobian: there.
-            moved: predicted with each told number `EPSILON` of its standard deviation off.
+            moved: predicted with each told number one standard deviation off.
             before: moves of the prior's mean (theta, told).
         """
         rows = list(self._rows(theta, predicted, jacobian))
@@ -250,7 +250,7 @@ class Problem:
         for channel, residual, j in rows:
             after = [self.row(channel, self.reading(theta, channel.name, m[channel.name]))[0] for m in moved]
             table = np.array(after).reshape(len(moved), len(residual)).T
-            changes.append((table - residual[:, np.newaxis]) / EPSILON)
+            changes.append(table - residual[:, np.newaxis])
             pulls += j.T @ changes[-1]
         information = sum((j.T @ j for _, _, j in rows), np.zeros((len(theta), len(theta))))
         slopes = covariance_of(information + self.known) @ (self.known @ before - pulls)

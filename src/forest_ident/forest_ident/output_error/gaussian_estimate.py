@@ -48,6 +48,12 @@ class GaussianEstimate(NamedTuple):
         place = self.names.index(name)
         return float(self.mean[place]), float(np.sqrt(max(self.covariance[place, place], 0.0)))
 
+    def spread(self, name: str) -> float:
+        """Return the standard deviation of a name, with what told numbers add to it."""
+        place = self.names.index(name)
+        moves = np.zeros(1) if self.slopes is None else self.slopes[place]
+        return math.sqrt(max(float(self.covariance[place, place] + moves @ moves), 0.0))
+
     def value(self, name: str, positive: bool) -> float:
         """Return the mean of a name as a number; a positive one is kept by its logarithm."""
         mean, _ = self.of(name)

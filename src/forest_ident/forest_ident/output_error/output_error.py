@@ -39,6 +39,7 @@ from forest_ident.output_error.gaussian_estimate import (
     EMPTY,
     GaussianEstimate,
     condition_number,
+    covariance_of,
     inverse,
     updated,
 )
@@ -51,6 +52,7 @@ CONVERGED = 0.1  # of the standard errors, that the last step moved what other r
 STALE = 0.03  # of a positive parameter, from where derivatives were taken, to take them again
 SLOW = 0.3  # of the last step; after a longer step derivatives are taken again, too
 LITTLE = 0.03  # by which a step lowers the cost at least, if the search is to go on: 1 is a standard error
+REFUSED = 0.05  # share of the cost, or of the rows, that derivatives promise where a search got stuck
 USELESS = 0.01  # share of the cost, the same, where the model does not explain the record
 
 Model = Callable[[Mapping[str, float]], Columns]
@@ -79,7 +81,7 @@ def fit(
         block: rows within which residuals may be correlated.
         prior: what earlier fits found, of parameters and of the sensors' static errors.
         redrawn: the rough model again, each time with the noise of its inputs drawn once more.
-        told: parameters that are not estimated, each moved by `EPSILON` of its standard deviation, by key.
+        told: parameters that are not estimated, each moved by its standard deviation, by key.
         rough: a quicker model, whose changes are near those of the model; without it the model itself.
     """
     problem = Problem(measured=measured, channels=channels, unknowns=unknowns, block=block, prior=prior)
@@ -144,7 +146,8 @@ class _Search:
             return {name: column + (moved[name] - base[name]) for name, column in predicted.items()}
 
         inputs = [after(model, MappingProxyType({})) for model in redrawn]
-        covariance = problem.covariance(theta, predicted, jacobian, inputs)
+        untaken = self._untaken(theta, predicted, jacobian)
+        covariance = problem.covariance(theta, predicted, jacobian, inputs) + np.outer(untaken, untaken)
         values = problem.values(theta)
         others = [after(self._rough, number) if number else predicted for number in told]
         before = prior.moves(problem.names, len(told))
@@ -152,6 +155,8 @@ class _Search:
         sds = np.sqrt(np.maximum(np.diag(covariance), 0.0))[: problem.count].tolist()
         pairs = zip(self._unknowns, sds, strict=True)
         information = problem.normal(theta, predicted, jacobian)[0] + problem.known
+        usual = max(problem.cost(theta, predicted), sum(len(column) for column in predicted.values()))
+        refused = float(untaken @ information @ untaken) > REFUSED * usual
         return Fit(
             values=values,
             errors={u.key: sd * values[u.key] if u.positive else sd for u, sd in pairs},
@@ -161,8 +166,14 @@ class _Search:
             noise=dict(problem.sigma),
             iterations=iterations,
             told_noise=told_noise,
-            converged=converged,
+            converged=converged and not refused,
         )
+
+    def _untaken(self, theta: Floats, predicted: dict[str, Floats], jacobian: Jacobian) -> Floats:
+        """Return the step that derivatives still ask for: where chance refuses it, it counts as an error."""
+        information, gradient = self._problem.normal(theta, predicted, jacobian)
+        known = self._problem.known
+        return -covariance_of(information + known) @ (gradient + known @ (theta - self._problem.mean))
 
     def _distance(self, theta: Floats, taken: Floats) -> float:
         """Return how far positive parameters are from where derivatives were taken; others act linearly."""
@@ -188,11 +199,19 @@ class _Search:
     def _derivatives(self, theta: Floats, predicted: dict[str, Floats]) -> list[dict[str, Floats]]:
         found, base = [], self._base(theta, predicted)
         for place, unknown in enumerate(self._unknowns):
-            moved = theta.copy()
-            moved[place] += unknown.difference
-            after = self._simulate(self._rough, moved)
-            found.append({name: (after[name] - column) / unknown.difference for name, column in base.items()})
+            after, difference = self._moved(theta, place, unknown.difference)
+            found.append({name: (after[name] - column) / difference for name, column in base.items()})
         return found
+
+    def _moved(self, theta: Floats, place: int, difference: float) -> tuple[dict[str, Floats], float]:
+        """Return what a moved parameter predicts, and its move: downwards where no machine is above."""
+        moved = theta.copy()
+        moved[place] += difference
+        try:
+            return self._simulate(self._rough, moved), difference
+        except MachineError:
+            moved[place] -= 2.0 * difference
+            return self._simulate(self._rough, moved), -difference
 
     def _step(
         self,

@@ -1,6 +1,7 @@
 """Is a record of the experiment that it names, and of this machine?
 
-By the axes that were driven, how the platform stood, the facts beside it, and lengths over angles.
+By the axes that were driven, how the platform stood, the facts beside it, the supply at rest, and lengths
+over angles.
 """
 
 import numpy as np
@@ -17,6 +18,8 @@ TILTED = 0.3 * TILT  # [rad]
 STRANGE = 0.1  # of a cylinder's stroke: ten times what a tape's errors move its length by
 BEYOND = 0.1  # [rad] past the end of a joint's way: more than any sensor's error
 COUNT = 200  # samples of a record that are compared
+PUMP = 2.0  # times the pressure of the idle pump, or under its half: more than a gauge is misread by
+REST = 20  # rows at the start without a voltage, at least, that tell the idle pump's pressure
 
 
 def demand(machine: Machine, session: Session) -> None:
@@ -64,11 +67,13 @@ def _demand_facts(machine: Machine, session: Session) -> None:
 
 
 def demand_machine(machine: Machine, session: Session) -> None:
-    """Refuse a record of the crane that this machine cannot have made.
+    """Refuse a record that this machine cannot have made.
 
     Raises:
-        SessionError: a joint goes where it has no way, or a cylinder's length does not belong to its angle.
+        SessionError: its pump idles at another pressure, a joint goes where it has no way, or a cylinder's
+            length does not belong to its angle.
     """
+    _demand_pump(machine, session)
     if not session.on_crane:
         return
     for axis, (low, high) in zip(AXES, joint_limits(machine), strict=True):
@@ -82,6 +87,21 @@ def demand_machine(machine: Machine, session: Session) -> None:
             )
         if session.has(f"{axis}_transducer"):
             _demand_lengths(machine, session, axis)
+
+
+def _demand_pump(machine: Machine, session: Session) -> None:
+    """Refuse a record whose supply stands otherwise than the pump's, before a valve was opened."""
+    rows = int(np.argmax(np.any(session.voltages != 0.0, axis=1))) or len(session.time)
+    resting = (session.on_crane or session.on_rig) and session.has("supply_pressure") and rows >= REST
+    if not resting or np.any(session.voltages[0] != 0.0):
+        return
+    idle, read = machine.pump.idle_pressure, float(np.mean(session.column("supply_pressure")[:rows]))
+    if not idle / PUMP < read < idle * PUMP:
+        raise SessionError(
+            f"{session.name}: the supply stands at {1e-6 * read:.3g} MPa before a valve opens; allowed on "
+            f"{machine.name}: {1e-6 * idle / PUMP:.3g} .. {1e-6 * idle * PUMP:.3g} MPa, its "
+            f"{machine.pump.kind} pump's: is it another machine's record, or another kind of pump?"
+        )
 
 
 def _demand_lengths(machine: Machine, session: Session, axis: str) -> None:

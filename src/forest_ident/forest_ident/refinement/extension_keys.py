@@ -6,16 +6,19 @@
 | valve | valve, spool_lag | hysteresis, dead time, slew limit | steps up and down, with a spool sensor |
 | oil.air | damping_boom, damping_stick | free air | starts and stops, the load on either side |
 | AXIS.holding_1, _2 | damping_AXIS | setting, pilot ratio | lowering at several speeds |
+| swing.backlash | damping_swing | free way | several speeds, through zero both ways |
+| valve of boom, stick | gravity | leakage | rests in several poses |
 
 They have no linear estimate. Each begins with the machine's number and `UNKNOWN` as its prior's standard
 deviation, so a record that tells nothing of one leaves it there: "the data cannot tell".
 """
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 from forest_description.machine import Machine
-from forest_ident.measurements.parameter_path import part_of
+from forest_description.types import AXES
+from forest_ident.measurements.parameter_path import part_of, valve_section
 from forest_ident.output_error.prediction import STEP
 
 UNKNOWN = 0.4  # standard deviation of the prior, relative
@@ -24,7 +27,8 @@ COARSE = {"dead_time": 0.25}
 FRICTION = ("coulomb_force", "breakaway_force", "coulomb_torque", "breakaway_torque")
 PLAY = ("hysteresis", "dead_time", "spool_slew_limit")
 HOLDING = ("setting", "pilot_ratio")
-NAMES = (*FRICTION, *PLAY, *HOLDING, "oil.air.share")
+FREE_WAY, LEAKAGE = "backlash.free_way", "leakage_conductance"
+NAMES = (*FRICTION, *PLAY, *HOLDING, "oil.air.share", FREE_WAY, LEAKAGE)
 
 
 def told_by(machine: Machine, kind: str, axis: str, valve: str) -> tuple[str, ...]:
@@ -32,17 +36,54 @@ def told_by(machine: Machine, kind: str, axis: str, valve: str) -> tuple[str, ..
 
     Args:
         machine: as fitted.
-        kind: of the record: "damping", "spool", "valve".
+        kind: of the record: "damping", "spool", "valve", "gravity".
         axis: that the record is about.
         valve: section of that axis' valve.
     """
     keys: list[str] = []
     if kind == "damping":
-        keys += [f"{axis}.friction.{name}" for name in FRICTION]
-        keys += [f"{axis}.holding_{port}.{name}" for port in (1, 2) for name in HOLDING]
+        keys += _of_axis(axis)
         keys += ["oil.air.share"] if part_of(machine, f"{axis}.chambers") is not None else []
     if kind in ("spool", "valve"):
         keys += [f"{valve}.{name}" for name in PLAY]
+    if kind == "gravity":
+        keys += [f"{valve_section(machine, place)}.{LEAKAGE}" for place in (1, 2)]
+    return tuple(key for key in dict.fromkeys(keys) if part_of(machine, key))
+
+
+def felt_by(machine: Machine, kind: str, axes: Sequence[str]) -> tuple[str, ...]:
+    """Return the dotted keys that a record feels, whether it tells them or not, as the machine has them.
+
+    They go along with their uncertainty: held at the start's number, they would bend what is estimated. Not
+    in `gravity`: told numbers leave ten times as much in its masses, and its search would take five times
+    as long.
+
+    Args:
+        machine: as fitted.
+        kind: of the record: "hose", "motor", "damping".
+        axes: that move in it; none on a rig.
+    """
+    if kind in ("spool", "gravity"):
+        return ()
+    keys = ["oil.air.share"]
+    for axis in axes:
+        keys += _of_axis(axis)
+        # A shut valve's leakage looks like the motor's own.
+        keys += [f"{valve_section(machine, AXES.index(axis))}.{LEAKAGE}"] if kind == "motor" else []
+    return tuple(key for key in keys if part_of(machine, key))
+
+
+def _of_axis(axis: str) -> list[str]:
+    """Return the dotted keys of an axis' friction, load-holding valves and backlash."""
+    holding = [f"{axis}.holding_{port}.{name}" for port in (1, 2) for name in HOLDING]
+    return [*(f"{axis}.friction.{name}" for name in FRICTION), *holding, f"{axis}.{FREE_WAY}"]
+
+
+def of_machine(machine: Machine) -> tuple[str, ...]:
+    """Return the dotted keys of all these numbers that a machine has."""
+    valves = dict.fromkeys(valve_section(machine, axis) for axis in range(3))
+    keys = [f"{valve}.{name}" for valve in valves for name in (*PLAY, LEAKAGE)]
+    keys += ["oil.air.share", *(key for axis in AXES for key in _of_axis(axis))]
     return tuple(key for key in keys if part_of(machine, key))
 
 

@@ -217,7 +217,8 @@ def _refine(result: Result, session: Session, progress: Callable[[], None]) -> N
     result.remarks += data_quality.not_explained(session, tests)
     if session.kind == "deadband" and not _takes_own_valve(result, session.own_axis, known, fit):
         return
-    for key in work.free:
+    found = [key for key in work.free if not explained or _tells(fit.posterior, known, key)]
+    for key in found:
         result.estimates[key] = Estimate(
             key=key,
             value=fit.values[key],
@@ -228,11 +229,20 @@ def _refine(result: Result, session: Session, progress: Callable[[], None]) -> N
             positive=is_positive(key),
             withheld=not explained,
         )
-    # A record of the crane hangs on told numbers: it must not move what the rigs told without them. One that
+    # A record of the crane hangs on told numbers: it must not move what the rigs told without them, nor tell
+    # what it is not made for: friction that it takes for damping, the next record could not forget. One that
     # the model does not explain moves nothing.
-    posterior = known.taken(fit.posterior, work.free) if session.on_crane else fit.posterior
+    posterior = fit.posterior
+    if session.on_crane:
+        untold = [key for key in work.carried if key not in known.names]
+        posterior = known.taken(posterior.without(*untold), found)
     result.known = posterior if explained else known.without(*work.free)
     _update(result)
+
+
+def _tells(posterior: GaussianEstimate, known: GaussianEstimate, key: str) -> bool:
+    """Tell whether a record knows a number better than it was known, told numbers counted."""
+    return key not in known.names or posterior.spread(key) <= known.spread(key)
 
 
 def _takes_own_valve(result: Result, axis: str, known: GaussianEstimate, fit: Fit) -> bool:

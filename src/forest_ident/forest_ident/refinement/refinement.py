@@ -19,9 +19,9 @@ from forest_ident.estimators.parameter_estimate import is_positive
 from forest_ident.experiments import experiment_plan, test_rig
 from forest_ident.measurements import sample_mask
 from forest_ident.measurements.parameter_path import value_of, with_directions, with_part, with_values
-from forest_ident.measurements.session import Session
+from forest_ident.measurements.session import Session, SessionError
 from forest_ident.output_error import noise_model
-from forest_ident.output_error.fit_problem import EPSILON, Fit, Unknown
+from forest_ident.output_error.fit_problem import Fit, Unknown
 from forest_ident.output_error.gaussian_estimate import GaussianEstimate, widened
 from forest_ident.output_error.output_error import Model, fit
 from forest_ident.output_error.prediction import ROUGH, STEP, Offsets, predict, redrawn
@@ -61,6 +61,11 @@ def refine(
     unknowns = [*_unknowns(machine, session, work), *_start_pressures(machine, session, work, known)]
     sensed = dataclasses.replace(machine, sensors=test_rig.meters(machine)) if session.on_rig else machine
     channels = noise_model.channels(sensed, session, work.channels)
+    if not channels:
+        wanted = ", ".join(work.channels)
+        raise SessionError(
+            f"{session.name}: no sensor reads all the time and moves; it takes one of {wanted}"
+        )
     # Static errors stay, the noise of the means that a session starts from is its own.
     noise = {name: noise_model.start_noise(machine, session, name) for name in ANGLES}
     measured = sample_mask.fresh({c.name: session.column(c.name) for c in channels})
@@ -76,10 +81,7 @@ def refine(
         return lambda values: _predicted(machine, inputs, values, step)
 
     felt = told(machine, session)
-    moved = [
-        {key: told_value(machine, key) + EPSILON * error} if key in felt else {}
-        for key, error in errors.items()
-    ]
+    moved = [{key: told_value(machine, key) + error} if key in felt else {} for key, error in errors.items()]
     again = () if session.on_rig else [driven_by(one, ROUGH) for one in redrawn(machine, corrected)]
     done = fit(
         driven_by(corrected),
@@ -139,7 +141,7 @@ def _start_pressures(
                 start=0.0,
                 prior=spread,
                 positive=False,
-                difference=100.0,
+                difference=START_NOISE,
                 own=True,
             )
         )

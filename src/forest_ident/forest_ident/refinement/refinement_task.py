@@ -115,8 +115,10 @@ def task(machine: Machine, session: Session) -> Task | None:
     found = tasks.get(session.name, tasks.get(session.kind))
     if found is None:
         return None
-    more = extension_keys.told_by(machine, session.kind, name, valve)
-    return _of_machine(machine, found._replace(free=(*found.free, *more)))
+    free = (*found.free, *extension_keys.told_by(machine, session.kind, name, valve))
+    felt = extension_keys.felt_by(machine, session.kind, () if session.on_rig else (name,))
+    carried = (*found.carried, *(key for key in felt if key not in free))
+    return _of_machine(machine, found._replace(free=free, carried=carried))
 
 
 def simulations(machine: Machine, session: Session) -> float:

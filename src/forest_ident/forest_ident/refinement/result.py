@@ -13,9 +13,16 @@ from forest_ident.measurements.session import Session
 from forest_ident.output_error.fit_problem import Fit
 from forest_ident.output_error.gaussian_estimate import EMPTY, GaussianEstimate
 from forest_ident.output_error.residual_test import ResidualTest
+from forest_ident.refinement import extension_keys
 from forest_ident.refinement.refinement_task import LEAKAGE, VALVE
 
 MASSES = tuple(f"manipulator.{name}" for name in ("head_mass", "boom_mass", "stick_mass", "base_zz"))
+
+UNTOLD = (
+    *("elasticity.stiffness", "chambers.head_dead_volume", "chambers.rod_dead_volume"),
+    *("chambers.port_volume", "backlash.motor_inertia", "friction.stribeck_speed"),
+)
+"""Numbers of an axis that no experiment tells apart from others."""
 
 
 class Refined(NamedTuple):
@@ -83,4 +90,7 @@ def _wanted(machine: Machine) -> tuple[str, ...]:
     for axis in range(3):
         section, regime = hose_section(machine, axis), machine.drives[axis].flow_regime
         keys += [f"{section}.{part}" for part in (f"{regime}_resistance", "inertance", "capacitance")]
-    return (*dict.fromkeys(keys), *LEAKAGE, *(f"{axis}.damping" for axis in AXES), *MASSES)
+    extended = extension_keys.of_machine(machine)
+    keys += [*LEAKAGE, *(f"{axis}.damping" for axis in AXES), *MASSES, *extended]
+    untold = [f"{axis}.{part}" for axis in AXES for part in UNTOLD]
+    return (*dict.fromkeys(keys), *(key for key in untold if part_of(machine, key) is not None))
