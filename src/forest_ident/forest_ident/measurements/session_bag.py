@@ -33,7 +33,7 @@ from forest_msgs_py.interfaces.topics import (
     VALVE_VOLTAGES,
     Topic,
 )
-from forest_msgs_py.interfaces.yaml_text import parsed
+from forest_msgs_py.interfaces.yaml_text import read_yaml
 from forest_msgs_py.serialization.batch_encoder import Encoder
 
 FILE = "experiment.yaml"
@@ -219,7 +219,7 @@ def _experiment(path: Path) -> tuple[str, dict[str, float]]:
     if not file.is_file():
         return "motion", {}
     try:
-        content = parsed(file.read_text("utf-8"))
+        content = read_yaml(file)
         name = str(content["experiment"])
         facts = {str(key): value(str(key), entry) for key, entry in (content.get("facts") or {}).items()}
     except (yaml.YAMLError, AttributeError, KeyError, TypeError, ValueError) as error:
