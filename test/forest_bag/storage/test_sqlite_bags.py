@@ -6,6 +6,7 @@ import sqlite3
 import pytest
 
 from forest_bag.read.bag_reader import BagReader
+from forest_bag.storage import sqlite_reader
 from forest_bag.storage.raw_messages import Damaged
 
 TEXT = "std_msgs/msg/String"
@@ -61,6 +62,29 @@ def test_messages_of_a_topic_that_is_not_there_are_told_and_cost_no_other(tmp_pa
     with pytest.raises(Damaged, match=r"\d of its messages") as refused:
         BagReader(tmp_path / "bag.db3")
     assert "forest-bag recover" not in str(refused.value)  # it could do nothing
+
+
+def test_a_message_that_would_take_the_memory_is_told_and_costs_no_other(tmp_path, monkeypatch):
+    monkeypatch.setattr(sqlite_reader, "LARGEST", 100)
+    database = opened(tmp_path / "bag.db3")
+    add(database, [(4, 1, 4, bytes(100)), (5, 1, 5, bytes(101)), (6, 1, 6, b"x")])
+    database.commit()
+    database.close()
+    times, _, problems = read(tmp_path / "bag.db3", lenient=True)
+    assert times == [1, 2, 3, 4, 6]
+    (told,) = problems
+    assert "1 of its messages have more than the 100 bytes" in told
+
+
+def test_large_messages_are_read_few_at_a_time(tmp_path, monkeypatch):
+    monkeypatch.setattr(sqlite_reader, "BYTES", 100)
+    database = opened(tmp_path / "bag.db3")
+    add(database, [(row, 1, time, bytes(60)) for row, time in enumerate([4, 5, 6, 7, 7, 7, 8], start=4)])
+    database.commit()
+    database.close()
+    with BagReader(tmp_path / "bag.db3") as bag:
+        assert [piece.length for piece in bag.files[0].pieces] == [5, 4, 1]
+        assert [message.log_ns for message in bag.messages()] == [1, 2, 3, 4, 5, 6, 7, 7, 7, 8]
 
 
 def test_a_topic_without_a_name_or_a_type_is_none(tmp_path):

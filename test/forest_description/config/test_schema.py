@@ -1,5 +1,6 @@
 """Claims about machine files: what they may say, and what their errors say."""
 
+import os
 import re
 from importlib import resources
 
@@ -173,6 +174,10 @@ def test_unreadable_files_are_named_with_the_reason(tmp_path):
     binary = tmp_path / "binary.yaml"
     binary.write_bytes(b"\xff\xfe\x00")
     assert complaint(binary) == f"{binary}: cannot read the machine file: not UTF-8 text"
+    endless = tmp_path / "endless.yaml"
+    endless.touch()
+    os.truncate(endless, 1 << 30)  # a file of holes takes no place on the disk
+    assert complaint(endless) == f"{endless}: a machine file has at most 1000000 bytes, this one has more"
 
 
 def test_a_control_character_is_reported_as_bad_yaml(write):

@@ -1,9 +1,11 @@
 """YAML of strangers: what it says is returned, and whatever is wrong with it is a `yaml.YAMLError`."""
 
+import os
+
 import pytest
 import yaml
 
-from forest_msgs_py.interfaces.yaml_text import MOST_VALUES, parsed
+from forest_msgs_py.interfaces.yaml_text import LARGEST, MOST_VALUES, parsed, read_yaml
 
 
 @pytest.mark.parametrize(
@@ -37,3 +39,18 @@ def test_aliases_may_stand_for_a_million_values_and_no_more():
     assert len(parsed(fits)["b"]) == 900
     with pytest.raises(yaml.YAMLError, match=f"more than {MOST_VALUES} values"):
         parsed(row + ", ".join(["*a"] * 1100) + "]")
+
+
+def test_a_text_has_at_most_so_many_characters():
+    assert parsed("#" + " " * (LARGEST - 1)) is None
+    with pytest.raises(yaml.YAMLError, match=f"more than the {LARGEST} characters"):
+        parsed("#" + " " * LARGEST)
+
+
+def test_of_a_file_without_an_end_no_more_is_read_than_may_stand_there(tmp_path):
+    file = tmp_path / "a.yaml"
+    file.write_text("\ufeffa: 1")
+    assert read_yaml(file) == {"a": 1}
+    os.truncate(file, 1 << 30)  # a file of holes takes no place on the disk
+    with pytest.raises(yaml.YAMLError, match=f"more than the {LARGEST} bytes"):
+        read_yaml(file)

@@ -19,14 +19,14 @@ WELL = Outcome(
 )
 # Where the axis does not matter, cells of a state have one seed, and so one run without the fault.
 CELLS = [
-    ("joystick silent", State.MOTION, 0),
+    ("joystick silent", State.MOTION, 6),
     ("joystick hangs", State.POSITION, 1),
     ("joystick flickers", State.TAUGHT, 2),
-    ("joystick's clock - 1 h", State.MOTION, 0),
+    ("joystick's clock - 1 h", State.MOTION, 6),
     ("machine's clock - 1 h", State.EXPERIMENT, 4),
     ("states lost", State.TAUGHT, 2),
     ("commands lost for 0.4 s", State.POSITION, 1),
-    ("commands now and then", State.MOTION, 0),
+    ("commands now and then", State.MOTION, 6),
     ("controller restarted", State.LIMIT, 8),
     ("resolver absent", State.STANDING, 9),
     ("resolver frozen", State.EXPERIMENT, 10),

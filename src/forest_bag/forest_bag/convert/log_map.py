@@ -33,7 +33,7 @@ from forest_msgs_py.interfaces.topics import (
     TWIST,
     Topic,
 )
-from forest_msgs_py.interfaces.yaml_text import parsed
+from forest_msgs_py.interfaces.yaml_text import read_yaml
 
 
 class LogUnit(NamedTuple):
@@ -131,7 +131,7 @@ def read_map(path: Path) -> LogMap:
         OSError: it cannot be read.
     """
     try:
-        content = parsed(path.read_text(encoding="utf-8-sig"))
+        content = read_yaml(path)
         return _map(_keys(content, "", {"time", "topics"}, {"file", "checks"}))
     except (yaml.YAMLError, UnicodeDecodeError) as error:
         raise BagError(f"{path}: not YAML: {' '.join(str(error).split())}") from error

@@ -23,7 +23,7 @@ import yaml
 
 from forest_bag.storage.bag_files import BagError
 from forest_bag.write.bag_split import Layout
-from forest_msgs_py.interfaces.yaml_text import parsed
+from forest_msgs_py.interfaces.yaml_text import read_yaml
 from forest_msgs_py.types import NS_PER_S
 
 SERVICE_EVENT = "/_service_event"  # what the topics of introspected services end with
@@ -126,7 +126,7 @@ def read_outputs(file: Path) -> tuple[OutputBag, ...]:
         OSError: it cannot be read.
     """
     try:
-        tree = parsed(file.read_text(encoding="utf-8"))
+        tree = read_yaml(file)
     except (yaml.YAMLError, UnicodeDecodeError) as error:
         raise BagError(f"{file} is not YAML: {' '.join(str(error).split())}") from error
     bags = tree.get("output_bags") if isinstance(tree, dict) else None

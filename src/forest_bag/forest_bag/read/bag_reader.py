@@ -217,7 +217,7 @@ class BagReader:
             self._note(f"{file} has {file.stat().st_size} bytes; allowed: {LARGEST_METADATA}")
             return {}
         try:
-            content = parsed(file.read_text(encoding="utf-8"))
+            content = parsed(file.read_text(encoding="utf-8"), LARGEST_METADATA)
         except (yaml.YAMLError, UnicodeDecodeError) as error:
             if self._by_metadata:
                 self._note(f"{file} is not YAML: {' '.join(str(error).split())}")

@@ -6,7 +6,7 @@ from typing import Any
 
 import yaml
 
-from forest_bag.read.bag_reader import BagReader
+from forest_bag.read.bag_reader import LARGEST_METADATA, BagReader
 from forest_bag.storage.bag_files import BagError
 from forest_bag.storage.metadata import FileEntry, OfferedTopic, information, recorded_losses, write_metadata
 from forest_bag.storage.raw_messages import BagFile, Channel
@@ -91,7 +91,7 @@ def _custom_data(reader: BagReader) -> dict[str, str]:
 def _within(values: Mapping[str, str]) -> dict[str, Any]:
     """Return rosbag2's metadata of one file, which the file itself holds."""
     try:
-        tree = parsed(values.get("serialized_metadata", ""))
+        tree = parsed(values.get("serialized_metadata", ""), LARGEST_METADATA)
     except yaml.YAMLError:
         return {}
     tree = tree.get("rosbag2_bagfile_information", tree) if isinstance(tree, dict) else {}

@@ -1,14 +1,18 @@
 """One file of a bag in rosbag2's older format, an SQLite database (.db3), read as an MCAP file is."""
 
 import sqlite3
+from collections import Counter
 from collections.abc import Iterator
 from pathlib import Path
 
+from forest_bag.storage.decompression import LARGEST
 from forest_bag.storage.raw_messages import BagFile, Channel, Damaged, Piece, RawMessage, full_type
 from forest_bag.storage.sqlite_open import Database
 
 MAGIC = b"SQLite format 3\0"
-MESSAGES = 2000  # in a piece, and as many more as have the last one's log time
+BYTES = 1 << 24  # of a piece, or
+MESSAGES = 2000  # in it, and as many more as have the last one's log time
+USABLE = "typeof(timestamp) = 'integer' AND typeof(data) = 'blob' AND length(data) <= ?"
 TOPIC_COLUMNS = (
     "id",
     "name",
@@ -64,11 +68,11 @@ class SqlitePieces(BagFile):
             Damaged: the database cannot give them.
         """
         query = (
-            "SELECT timestamp, topic_id, data FROM messages WHERE typeof(timestamp) = 'integer' "
-            "AND typeof(data) = 'blob' AND timestamp BETWEEN ? AND ? ORDER BY timestamp, id"
+            f"SELECT timestamp, topic_id, data FROM messages WHERE {USABLE} "
+            "AND timestamp BETWEEN ? AND ? ORDER BY timestamp, id"
         )
         try:
-            rows = self._database.execute(query, (piece.first_ns, piece.last_ns)).fetchall()
+            rows = self._database.execute(query, (LARGEST, piece.first_ns, piece.last_ns)).fetchall()
         except sqlite3.Error as error:
             raise Damaged(f"{self.path} is damaged: {error}") from error
         known = self.channels
@@ -105,20 +109,26 @@ class SqlitePieces(BagFile):
 
     def _unusable(self) -> Iterator[str]:
         """What messages cannot be read, and why: a database checks neither references nor kinds of values."""
-        query = "SELECT topic_id, typeof(timestamp), typeof(data), COUNT(*) FROM messages GROUP BY 1, 2, 3"
-        for topic, time, data, count in self._database.execute(query):
+        query = "SELECT topic_id, typeof(timestamp), typeof(data), length(data) > ? FROM messages"
+        kinds = Counter(self._database.execute(query, (LARGEST,)))  # GROUP BY would sort, with all the data
+        for (topic, time, data, is_large), count in kinds.items():
             if topic not in self.channels:
                 yield f"{count} of its messages name topic_id {topic}, which is not in its table of topics"
             elif (time, data) != ("integer", "blob"):
                 yield f"{count} of its messages have a timestamp of kind {time} and data of kind {data}"
+            elif is_large:
+                yield f"{count} of its messages have more than the {LARGEST} bytes that are allowed"
 
     def _find_pieces(self) -> None:
-        query = "SELECT timestamp FROM messages WHERE typeof(timestamp) = 'integer' ORDER BY timestamp"
-        times = [row[0] for row in self._database.execute(query)]
+        query = f"SELECT timestamp, length(data) FROM messages WHERE {USABLE} ORDER BY timestamp"
+        rows = self._database.execute(query, (LARGEST,)).fetchall()
         start = 0
-        while start < len(times):
-            stop = min(start + MESSAGES, len(times))
-            while stop < len(times) and times[stop] == times[stop - 1]:
+        while start < len(rows):
+            stop, size = start, 0
+            while stop < len(rows) and (
+                (stop - start < MESSAGES and size < BYTES) or rows[stop][0] == rows[stop - 1][0]
+            ):
+                size += rows[stop][1]
                 stop += 1
-            self.pieces.append(Piece(times[start], times[stop - 1], start, stop - start))
+            self.pieces.append(Piece(rows[start][0], rows[stop - 1][0], start, stop - start))
             start = stop

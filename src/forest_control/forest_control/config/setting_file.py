@@ -10,9 +10,8 @@ from typing import Any
 
 import yaml
 
-from forest_msgs_py.interfaces.yaml_text import parsed
+from forest_msgs_py.interfaces.yaml_text import LARGEST, parsed
 
-LARGEST = 1_000_000  # [byte] of a file: a setting file has some hundred
 SHOWN = 80  # [1] characters of a value in a message: a line of a terminal
 
 

@@ -20,6 +20,7 @@ QUANTITY_KEYS = ("value", "unit", "source")
 ROW_KEYS = ("values", "unit", "source")
 UNCERTAINTY = "uncertainty"  # a number may have one
 DEEPEST = 50  # levels
+LARGEST = 1_000_000  # [byte] of a machine file: the shipped ones have 24 000
 
 
 class _TooDeep(yaml.YAMLError):
@@ -136,7 +137,11 @@ def _numbers(tree: Branch, prefix: str) -> dict[str, random_machine.Number]:
 def _file_text(path: Path) -> tuple[str, str]:
     """Return file label and text of a machine file."""
     try:
-        return str(path), path.read_text("utf-8")
+        with path.open("rb") as stream:
+            data = stream.read(LARGEST + 1)
+        if len(data) > LARGEST:
+            raise MachineError(f"{path}: a machine file has at most {LARGEST} bytes, this one has more")
+        return str(path), data.decode("utf-8")
     except (OSError, UnicodeDecodeError) as error:
         reason = error.strerror if isinstance(error, OSError) else "not UTF-8 text"
         raise MachineError(f"{path}: cannot read the machine file: {reason}") from error

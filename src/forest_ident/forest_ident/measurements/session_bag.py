@@ -33,7 +33,7 @@ from forest_msgs_py.interfaces.topics import (
     VALVE_VOLTAGES,
     Topic,
 )
-from forest_msgs_py.interfaces.yaml_text import parsed
+from forest_msgs_py.interfaces.yaml_text import read_yaml
 from forest_msgs_py.serialization.batch_encoder import Encoder
 
 FILE = "experiment.yaml"
@@ -225,7 +225,7 @@ def _experiment(path: Path) -> tuple[str, dict[str, float]]:
     if not file.is_file():
         return "motion", {}
     try:
-        content = parsed(file.read_text("utf-8"))
+        content = read_yaml(file)
         if not isinstance(content, dict) or "experiment" not in content:
             raise ValueError("it names no experiment")
         name = str(content["experiment"])

@@ -16,7 +16,7 @@ from typing import Any
 import yaml
 
 from forest_msgs_py.interfaces.qos_profiles import DURABILITY, HISTORY, LIVELINESS, RELIABILITY, Qos, profile
-from forest_msgs_py.interfaces.yaml_text import parsed
+from forest_msgs_py.interfaces.yaml_text import read_yaml
 
 WORDS = {
     "history": HISTORY,
@@ -40,7 +40,7 @@ def read_overrides(file: Path) -> dict[str, Qos]:
         OSError: it cannot be read.
     """
     try:
-        tree = parsed(file.read_text(encoding="utf-8"))
+        tree = read_yaml(file)
     except (yaml.YAMLError, UnicodeDecodeError) as error:
         raise QosOverrideError(f"{file} is not YAML: {' '.join(str(error).split())}") from error
     if not isinstance(tree, dict):

@@ -1,19 +1,42 @@
 """YAML from files that somebody else wrote: whatever is wrong with one, it is told as a `yaml.YAMLError`."""
 
+from pathlib import Path
 from typing import Any
 
 import yaml
 
+LARGEST = 1_000_000  # [byte] of a text: what people write has some thousand, and a million take two seconds
 MOST_VALUES = 1_000_000  # [1] for which a text may stand: aliases of aliases stand for any number of them
 
 
-def parsed(text: str) -> Any:
-    """Return what stands in a text.
+def read_yaml(file: Path) -> Any:
+    """Return what stands in a file, of which no more is read than may stand there.
 
     Raises:
-        yaml.YAMLError: it is not YAML, is nested too deeply, holds a date or a number that is none, or
-            aliases that stand for too much.
+        yaml.YAMLError: as of `parsed`.
+        UnicodeDecodeError: it is no text.
+        OSError: it cannot be read.
     """
+    with file.open("rb") as stream:
+        data = stream.read(LARGEST + 1)
+    if len(data) > LARGEST:
+        raise yaml.YAMLError(f"more than the {LARGEST} bytes that are allowed")
+    return parsed(data.decode("utf-8"))
+
+
+def parsed(text: str, most: int = LARGEST) -> Any:
+    """Return what stands in a text.
+
+    Args:
+        text: of somebody else.
+        most: characters that it may have.
+
+    Raises:
+        yaml.YAMLError: it is not YAML, is too long or nested too deeply, holds a date or a number that is
+            none, or aliases that stand for too much.
+    """
+    if len(text) > most:
+        raise yaml.YAMLError(f"more than the {most} characters that are allowed")
     loader = yaml.SafeLoader(text)
     try:
         node = loader.get_single_node()

@@ -116,8 +116,8 @@ class ByHand:
         return self._loop.period(Operator(pushed if driven else REST, held))
 
     def resume(self) -> None:
-        """Drive the other way where the crane is at a limit."""
-        if self._state == State.LIMIT:
+        """Drive back: the way on may have ended at a limit, where nothing is allowed."""
+        if self._state in (State.MOTION, State.LIMIT):
             self._side = -1.0
 
 

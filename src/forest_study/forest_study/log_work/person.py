@@ -12,13 +12,12 @@ from typing import Annotated, Any, NamedTuple
 import numpy as np
 import yaml
 
-from forest_msgs_py.interfaces.yaml_text import parsed
+from forest_msgs_py.interfaces.yaml_text import read_yaml
 from forest_msgs_py.runtime.parameter_table import Parameter, ParameterError, table_rows
 from forest_study.results import StudyError
 
 FOLDER = Path(__file__).parent / "operators"
 SHIPPED = tuple(sorted(file.stem for file in FOLDER.glob("*.yaml")))
-LARGEST = 100_000  # [byte] of an operator's file
 KEYS = ("value", "learnt", "unit", "source")
 
 
@@ -85,9 +84,7 @@ def _numbers(name: str) -> dict[str, dict[str, Any]]:
     """Return a file's entries over those of the file that it is based on."""
     file = FOLDER / f"{name}.yaml" if name in SHIPPED else Path(name)
     try:
-        if file.stat().st_size > LARGEST:
-            raise StudyError(f"{file}: {file.stat().st_size} bytes; allowed: up to {LARGEST}")
-        tree = parsed(file.read_text("utf-8"))
+        tree = read_yaml(file)
     except OSError as error:
         raise StudyError(
             f"{name}: no operator ({error.strerror}); allowed: {', '.join(SHIPPED)}, or a file"

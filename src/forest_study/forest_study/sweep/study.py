@@ -26,13 +26,12 @@ from forest_description.config import schema
 from forest_description.config.parameter import MachineError
 from forest_description.config.units import UNITS, units_for
 from forest_description.machine import Machine
-from forest_msgs_py.interfaces.yaml_text import parsed
+from forest_msgs_py.interfaces.yaml_text import LARGEST, parsed
 from forest_msgs_py.runtime.parameter_table import Parameter, ParameterError, table_rows
 from forest_study.closed_loop import model_mismatch
 from forest_study.results import StudyError
 from forest_study.sweep.trials import KINDS, Kind
 
-LARGEST = 1_000_000  # [byte] of a study's file
 MOST = 10_000_000  # [1] runs of a study
 DESIGNS = ("grid", "latin_hypercube", "sobol")
 OPTIONS = (
