@@ -20,6 +20,7 @@ from forest_description.hydraulics.oil import Oil
 from forest_description.hydraulics.pump import IdealPump, LoadSensingPump, Pump
 from forest_description.hydraulics.tank_line import TankLine
 from forest_description.hydraulics.valve_parameters import PortValves, Valve
+from forest_description.mechanics.chassis import Chassis
 from forest_description.mechanics.drives import CylinderDrive, SwingDrive
 from forest_description.mechanics.end_stops import EndStops
 from forest_description.mechanics.lifting_capacity import LiftingCapacity
@@ -51,6 +52,7 @@ class Machine(ParameterSet):
     command_timeout: float = parameter("s", 0.005, 10.0, "age at which a voltage command counts as zero")
     tank_line: TankLine | None = None
     capacity: LiftingCapacity | None = None
+    chassis: Chassis | None = None
 
     def __post_init__(self) -> None:
         """Check ranges, where the joints go, the port valves, and what hoses known by their bore need."""
