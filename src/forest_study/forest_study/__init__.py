@@ -21,6 +21,7 @@ In the order in which data passes:
   or not at all.
 - `experiments`: The experiments of `forest_ident` in a graph, in lockstep or live.
 - `demo`: The demo, its summary, the reference bags, replays.
+- `journal`: Runs on disk as they are made, so that a command that was stopped goes on.
 - `results`: Where a study leaves its results: a directory of its own, in which nothing is overwritten.
 - `parameter_reference`: The parameters of all nodes as a page, from the tables that the nodes declare.
 - `cli`: `forest-study`: studies of machine and control together, from the command line.

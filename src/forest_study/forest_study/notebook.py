@@ -210,8 +210,8 @@ class Loop:
         for row in range(rows):
             session.levers[row, :3] = _deflections(operator(seen), row)
             session.advance(row + 1)
-            a, b, c, x, y, z = session.recorded[row, :6].tolist()
-            seen = Now((row + 1) * PERIOD, (a, b, c), (x, y, z))
+            last = session.newest
+            seen = Now((row + 1) * PERIOD, last.angles, last.tip)
         return Trace(session.moved, session.levers[:, :3])
 
     def _suite(self, seed: int | None) -> Suite:

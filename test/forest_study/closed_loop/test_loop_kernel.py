@@ -156,5 +156,5 @@ def test_a_session_in_pieces_is_the_session_at_once():
         session.advance(end)
     session.change_load(plant)
     session.advance(ROWS)
-    np.testing.assert_array_equal(session.recorded[:, 3:6], whole.run({100: plant}).tip)
+    np.testing.assert_array_equal(session.moved.tip, whole.run({100: plant}).tip)
     assert session.row == ROWS

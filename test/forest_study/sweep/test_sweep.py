@@ -107,20 +107,27 @@ def test_a_worker_that_is_killed_loses_nothing_and_a_stopped_study_goes_on(tmp_p
     assert "runs of" not in capsys.readouterr().out
 
 
+def test_a_batch_whose_first_run_failed_keeps_the_figures_of_the_others(tmp_path, study):
+    store = sweep_command.Store(tmp_path / "out", read_study(study))
+    good = {"number": 1, "error": None, "figure": 2.0}
+    store.add([{"number": 0, "error": "out of reach"}, good])
+    assert store.finish()[1] == parquet.read_table(store.whole).to_pylist()[1] == good
+
+
 @pytest.mark.parametrize(
     ("text", "told"),
     [
-        (TEXT.replace("seeds: 3", "seeds: 2"), "holds another study"),
-        (TEXT, "was begun with another numpy"),
+        (TEXT.replace("seeds: 3", "seeds: 2"), "was begun with other study"),
+        (TEXT, "was begun with other numpy"),
     ],
 )
 def test_another_study_or_other_versions_do_not_mix(tmp_path, study, capsys, text, told):
     out = tmp_path / "out"
     sweep_command.Store(out, read_study(study))
-    begun = json.loads((out / "made_by.json").read_text("utf-8"))
+    begun = json.loads((out / "runs.jsonl").read_text("utf-8"))
     if text == TEXT:
         begun["versions"]["numpy"] = "1.0"
-    (out / "made_by.json").write_text(json.dumps(begun), encoding="utf-8")
+    (out / "runs.jsonl").write_text(json.dumps(begun) + "\n", encoding="utf-8")
     study.write_text(text, encoding="utf-8")
     assert main(["sweep", str(study), "--out", str(out)]) == 1
     assert told in capsys.readouterr().err

@@ -95,6 +95,9 @@ class Happened(NamedTuple):
     pressures: tuple[float, ...]  # [Pa] read, 12
 
 
+NOTHING = Happened(ZERO, ZERO, ZERO, ZERO, ZERO, (0.0,) * 12)
+
+
 def period(
     loop: Loop, levers: Levers, held: bool, spoken: bool, k: Knowledge, normals: Sequence[float], row: int
 ) -> tuple[Loop, Happened]:

@@ -42,7 +42,8 @@ ARGUMENTS = "pppppipppp"
 NO_LOADS: Mapping[int, PlantParameters] = {}
 LEADS_NOT = np.array([0.0, 1.0, 0.0, 1.0, *[0.0] * 7])  # of hand and guide
 EVERY = 3  # place of the joystick's periods there
-RECORDED = 27
+HAPPENED = [path for path, _ in flat_layout.leaves(loop_core.NOTHING, "happened")]
+_happened = flat_layout.unpacker(loop_core.NOTHING)
 runtime_numbers = np.zeros(1)
 """Values of those numbers that this process has made `RuntimeNumber`s: none, but in an ablation."""
 
@@ -112,11 +113,11 @@ class Session:
     ) -> None:
         self.state, self.knowledge = prepared.state.copy(), prepared.knowledge.copy()
         self.levers, rows = prepared.levers.copy(), len(prepared.levers)
-        self.recorded, self.clock = np.empty((rows, RECORDED)), np.zeros(rows)
+        self._recorded, self.clock = np.empty((rows, len(HAPPENED))), np.zeros(rows)
         self._guide = LEADS_NOT.copy() if guide is None else guide
         if guide is None:
             self._guide[EVERY] = every
-        held = self.state, self.knowledge, self.levers, prepared.normals, self.recorded
+        held = self.state, self.knowledge, self.levers, prepared.normals, self._recorded
         after = np.zeros(3) if places is None else places, self._guide, self.clock
         self._arrays = held, after  # kept: the kernel holds their addresses
         self._before, self._after = ([array.ctypes.data for array in arrays] for arrays in self._arrays)
@@ -132,9 +133,16 @@ class Session:
         self._kernel(*self._before, rows, *self._after, runtime_numbers.ctypes.data)
 
     @property
+    def newest(self) -> Happened:
+        """What happened in the newest row."""
+        found: Happened = _happened(self._recorded[self.row - 1].tolist())
+        return found
+
+    @property
     def moved(self) -> Trajectory:
-        """What happened so far."""
-        columns = np.split(self.recorded[: self.row], (3, 6, 9, 12, 15), axis=1)  # of `Happened`
+        """What happened so far; its arrays are views."""
+        ends = np.cumsum([len(part) for part in loop_core.NOTHING])
+        columns = np.split(self._recorded[: self.row], ends[:-1], axis=1)
         return Trajectory(PERIOD * np.arange(self.row, dtype=np.float64), *columns)
 
     def change_load(self, plant: PlantParameters) -> None:
@@ -308,16 +316,6 @@ def entry() -> Entry:
     names: dict[str, Any] = {"period": loop_core.period, "Levers": levers.Levers}
     names |= {f.__name__: f for f in (Guide, Hand, path_guide.asked, path_guide.answered, levers_for)}
     after = [path for path, _ in flat_layout.leaves(loop, "after")]
-    zero = (0.0, 0.0, 0.0)
-    out = [
-        p
-        for p, _ in flat_layout.leaves(
-            Happened(
-                angles=zero, tip=zero, tip_wish=zero, command=zero, voltages=zero, pressures=(0.0,) * 12
-            ),
-            "happened",
-        )
-    ]
     lines = [
         "def kernel(state, knowledge, levers, normals, recorded, rows, places, guide, clock, runtime):",
         "    last, every = int(guide[0]), int(guide[3])",
@@ -339,7 +337,7 @@ def entry() -> Entry:
         "        held = levers[4 * row + 3] > 0.5",
         "        after, happened = period(before, lever, held, spoken, k, normals, row)",
         *(f"        state[{i}] = {path}" for i, path in enumerate(after)),
-        *(f"        recorded[{RECORDED} * row + {i}] = {path}" for i, path in enumerate(out)),
+        *(f"        recorded[{len(HAPPENED)} * row + {i}] = {path}" for i, path in enumerate(HAPPENED)),
         "        guide[10] = row + 1",
         "        if last > 0:",
         "            led = answered(led, lever, happened.tip_wish, hand, places, last)",

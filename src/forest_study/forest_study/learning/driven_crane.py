@@ -104,10 +104,10 @@ class LeverCrane:
         session, row = self._session, self._session.row
         session.levers[row : row + PERIODS, :3] = levers
         session.advance(row + PERIODS)
-        happened = session.recorded[row + PERIODS - 1].tolist()
+        happened = session.newest
         a, b, c, u, v, w = session.state[self._read].tolist()
-        pressures = tuple(happened[15 + i] for i in ACTUATORS)
-        return Sensed((a, b, c), (u, v, w), pressures, (happened[3], happened[4], happened[5]))
+        pressures = tuple(happened.pressures[i] for i in ACTUATORS)
+        return Sensed((a, b, c), (u, v, w), pressures, happened.tip)
 
 
 class ValveCrane:

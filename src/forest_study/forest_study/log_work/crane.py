@@ -128,9 +128,9 @@ class Crane:
         row, session = self._session.row, self._session
         session.levers[row : row + LOOK, :3] = self._said[0]
         session.advance(row + LOOK)
-        last = session.recorded[row + LOOK - 1, :6].tolist()
         alpha, beta = session.state[self._head].tolist()
-        seen = Seen((last[0], last[1], last[2]), (last[3], last[4], last[5]), (alpha, beta))
+        last = session.newest
+        seen = Seen(last.angles, last.tip, (alpha, beta))
         self._looks.append(seen)
         self._shown.append(seen)
         return self._shown[0]
@@ -151,11 +151,11 @@ class Crane:
 
     def tips(self) -> Floats:
         """Return where the tip was, a row a look [N, 3] m."""
-        return self._session.recorded[LOOK - 1 : self._session.row : LOOK, 3:6]
+        return self._session.moved.tip[LOOK - 1 :: LOOK]
 
     def engine_work(self) -> Floats:
         """Return the engine's work over each look [N] J."""
-        return engine_work(self._pieces, self._session.recorded[: self._session.row, 12:15])
+        return engine_work(self._pieces, self._session.moved.voltages)
 
 
 def grip_of(seen: Seen, hang: float) -> Vec3:

@@ -1,21 +1,17 @@
-"""Runs of the matrix by gains, each done once: what was stopped goes on with those that are not kept.
-
-DIR/runs.jsonl      first what made them, then a line for each point and block of seeds
-"""
+"""Runs of the matrix by gains, each done once: an entry of the journal for each point and block of seeds."""
 
 import json
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from forest_bag.record.run_context import versions
 from forest_control.config.controller_settings import Settings
 from forest_description.config.source_tree import texts
 from forest_description.machine import Machine, load_machine
+from forest_study.journal import Journal
 from forest_study.matrix.matrix_rows import MatrixRow
 from forest_study.matrix.matrix_runs import run_row
 from forest_study.matrix.rivals import Rival
-from forest_study.results import StudyError, new_directory
 from forest_study.tune.gains import gains_of
 
 Row = dict[str, Any]  # of a seed: its figures by name, None where a run did not end; "seed", "row"
@@ -36,27 +32,10 @@ class Bench:
 
     def __init__(self, out: Path, machine: str, rows: Sequence[MatrixRow]) -> None:
         self.machine: Machine = load_machine(machine)
-        self._rows, self._file = rows, out / "runs.jsonl"
-        known = versions()
+        self._rows = rows
         files = [list(one) for one in texts(machine)]
-        made = {"machine": files, "rows": [row.name for row in rows], "versions": known}
-        if not self._file.exists():
-            new_directory(out)
-            self._file.write_text(json.dumps(made) + "\n", encoding="utf-8")
-        begun, *kept = self._file.read_text("utf-8").split("\n")
-        if json.loads(begun) != made:
-            changed = [key for key, value in json.loads(begun).items() if value != made[key]]
-            raise StudyError(f"{out} was begun with other {', '.join(changed)}; allowed: another --out")
-        whole = [line for line in kept[:-1] if line]  # the last one was stopped in mid-line, or is empty
-        self._kept: dict[str, list[Row]] = {}
-        for line in whole:
-            one = json.loads(line)
-            self._kept[one["key"]] = one["rows"]
-        self._file.write_text("\n".join([begun, *whole]) + "\n", encoding="utf-8")
-
-    def has(self, settings: Settings, seeds: range) -> bool:
-        """Tell whether runs are kept."""
-        return _key(settings, seeds) in self._kept
+        self._journal = Journal(out, {"machine": files, "rows": [row.name for row in rows]})
+        self._kept: dict[str, list[Row]] = {one["key"]: one["rows"] for one in self._journal.entries}
 
     def run(self, settings: Settings, seeds: range) -> list[Row]:
         """Return what gains reach: a row for each of the matrix' rows and each seed within the capacity.
@@ -73,8 +52,7 @@ class Bench:
                 for one in run_row(row, self.machine, seeds, rival=Rival(settings))
                 if not one.overloaded
             ]
-            with self._file.open("a", encoding="utf-8") as file:
-                file.write(json.dumps({"key": key, "rows": rows}) + "\n")
+            self._journal.add({"key": key, "rows": rows})
             self._kept[key] = rows
         return self._kept[key]
 
