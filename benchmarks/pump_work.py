@@ -23,10 +23,10 @@ from numpy.typing import NDArray
 
 from forest_control.servo.schemes import Scheme
 from forest_control.valve import valve_driver_parameters
-from forest_description.components.pump import LoadSensingPump
 from forest_description.derived.actuator_kinematics import displacements
 from forest_description.derived.limits import pose_at
 from forest_description.geometry.linkage import cylinder_length
+from forest_description.hydraulics.pump import LoadSensingPump
 from forest_description.machine import Machine, load_machine
 from forest_study.tracking.paths import path_named
 from forest_study.tracking.tracking import Course, follow, noisy, prepare

@@ -14,11 +14,11 @@ import sys
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 
-from forest_description.components.drives import CylinderDrive
 from forest_description.derived.limits import joint_limits
 from forest_description.derived.passive_joints import barrel_pivot
 from forest_description.geometry.kinematics import Links, tip_position
 from forest_description.machine import Machine, load_machine
+from forest_description.mechanics.drives import CylinderDrive
 
 Point = tuple[float, float]
 

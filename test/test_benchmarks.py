@@ -16,7 +16,7 @@ import pytest
 pytest.importorskip("numba")
 
 from forest_compile.frontend import translate
-from forest_description.components.valve_characteristic import edges
+from forest_description.hydraulics.valve_characteristic import edges
 from forest_description.machine import load_machine
 from forest_sim.equations.plant_parameters import plant_parameters
 

@@ -21,8 +21,8 @@ from typing import Any
 
 import numpy as np
 
-from forest_description.components.drives import CylinderDrive
 from forest_description.machine import Machine, load_machine
+from forest_description.mechanics.drives import CylinderDrive
 
 PRESSURE, FLOW = 1e7, 1e-3  # [Pa], [m^3/s] a unit
 SCALE = np.tile([1.0, 1.0, PRESSURE, PRESSURE, FLOW, FLOW], 3)

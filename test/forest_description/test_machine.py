@@ -5,9 +5,17 @@ import math
 
 import pytest
 
-from forest_description.components.end_stops import EndStops
-from forest_description.components.pump import IdealPump, PressureCompensatedPump
-from forest_description.components.sensors import (
+from forest_description.config.parameter import MachineError
+from forest_description.config.schema import parameters
+from forest_description.config.source_tree import shipped_machines
+from forest_description.config.units import UNITS
+from forest_description.export.machine_numbers import declared
+from forest_description.hydraulics.pump import IdealPump, PressureCompensatedPump
+from forest_description.hydraulics.valve_characteristic import symmetric_valve
+from forest_description.hydraulics.valve_parameters import PortValves
+from forest_description.machine import Machine, load_machine, sources
+from forest_description.mechanics.end_stops import EndStops
+from forest_description.sensors.sensor_kinds import (
     CaseDrain,
     FlowMeter,
     Inclinometer,
@@ -19,14 +27,6 @@ from forest_description.components.sensors import (
     Tachometer,
     Thermocouple,
 )
-from forest_description.components.valve_characteristic import symmetric_valve
-from forest_description.components.valve_parameters import PortValves
-from forest_description.config.parameter import MachineError
-from forest_description.config.schema import parameters
-from forest_description.config.source_tree import shipped_machines
-from forest_description.config.units import UNITS
-from forest_description.export.machine_numbers import declared
-from forest_description.machine import Machine, load_machine, sources
 
 GALLON_PER_MINUTE, RPM = UNITS["gal/min"].factor, UNITS["rpm"].factor
 MACHINE, THESIS = load_machine("c180_hoses"), load_machine("c180_thesis")

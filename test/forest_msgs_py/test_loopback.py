@@ -86,6 +86,14 @@ def test_a_stranger_gets_in_only_without_the_profile(closed, cable, domain_id, s
     assert (OURS in sniffer.text()) == (not closed), sniffer.text()
 
 
+def test_no_one_writes_to_shared_memory_of_ours(domain_id, start_process, wait_until):
+    """A reader that is killed may keep its port locked: writers then wait for a second and more."""
+    talker = start_process(["-m", "talker"])
+    wait_until(lambda: "up" in talker.text())
+    assert "fastrtps_port" not in Path(f"/proc/{talker.pid}/maps").read_text()
+    assert talker.stop() == 0
+
+
 @pytest.mark.parametrize("discovery", ["LOCALHOST", None])
 def test_a_plain_program_on_this_machine_hears_the_joints(discovery, domain_id, start_process):
     talker = start_process(["-m", "talker"])

@@ -23,6 +23,7 @@ SIGNALS = (
     ("ground_truth/pump/displacement", "1"),
     ("ground_truth/pump/speed", "rad/s"),
     ("ground_truth/tank_line/pressure", "Pa"),
+    *((f"ground_truth/tip_over/{side}", "1") for side in ("ahead", "left", "behind", "right")),
     ("ground_truth/deflections/boom", "rad"),
     ("ground_truth/head/head_in_plane.position", "rad"),
     ("ground_truth/joint_states/boom.position", "rad"),
@@ -32,9 +33,10 @@ SIGNALS = (
 RATE = 30.0  # [Hz] of the frames
 UNKNOWN = (math.nan,) * 3  # the tip's command, as in the joint scheme
 PUMP = (0.25, 50 * math.pi, 3.5e5)  # its displacement, its speed, the tank line
+MARGINS = (0.95, 0.62, 1.0, 0.71)  # against tipping over
 BENT = (math.radians(-0.25), math.radians(-12.5), math.radians(60), math.radians(-50))  # boom; head's sway
 MEASURED = (18e6, 5e-4, 2.5, 1.25, 1.5, 313.15, 620.0, math.pi / 6)
-FRAME = [*MEASURED, *PUMP, *BENT, 4.0, 0.0, 1.0, 0.3, 0.0, 0.4, *UNKNOWN]
+FRAME = [*MEASURED, *PUMP, *MARGINS, *BENT, 4.0, 0.0, 1.0, 0.3, 0.0, 0.4, *UNKNOWN]
 
 
 @pytest.fixture(scope="module")
@@ -67,6 +69,7 @@ def test_values_are_told_in_the_operators_units(met: PageStandIn) -> None:
         ("pump", "displacement 25"),
         ("pump", "engine 1500"),
         ("tank_line", "before the filter 3.5"),
+        ("tip_over", "least 62"),
         ("bending", "boom -0.25"),
         ("sway", "in the plane -2.5"),
         ("power", "hydraulic power 9.0"),

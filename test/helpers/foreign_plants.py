@@ -23,12 +23,12 @@ from typing import NamedTuple
 
 import numpy as np
 
-from forest_description.components.load import Pendulum
-from forest_description.components.pump import LoadSensingPump
-from forest_description.components.valve_parameters import FlowCurve
 from forest_description.config.parameter import MachineError, parameter_of
 from forest_description.config.random_machine import BY_DIRECTION, DRAWN
+from forest_description.hydraulics.pump import LoadSensingPump
+from forest_description.hydraulics.valve_parameters import FlowCurve
 from forest_description.machine import Machine, load_machine
+from forest_description.mechanics.load import Pendulum
 from forest_ident.measurements.parameter_path import (
     part_of,
     value_of,

@@ -7,18 +7,18 @@ import dataclasses
 import numpy as np
 from scipy.integrate import solve_ivp
 
-from forest_description.components.drives import Backlash, BearingFriction, Cushion, Friction
-from forest_description.components.elasticity import Elasticity
-from forest_description.components.load import Log, Pendulum
-from forest_description.components.pump import (
+from forest_description.geometry.kinematics import inverse_kinematics
+from forest_description.hydraulics.pump import (
     ConstantFlowPump,
     IdealPump,
     LoadSensingPump,
     PressureCompensatedPump,
 )
-from forest_description.components.valve_parameters import BackwardValve, TableCurve
-from forest_description.geometry.kinematics import inverse_kinematics
+from forest_description.hydraulics.valve_parameters import BackwardValve, TableCurve
 from forest_description.machine import Machine, load_machine
+from forest_description.mechanics.drives import Backlash, BearingFriction, Cushion, Friction
+from forest_description.mechanics.elasticity import Elasticity
+from forest_description.mechanics.load import Log, Pendulum
 from forest_sim.analysis.modes import states
 from forest_sim.equations.drive import DriveState
 from forest_sim.equations.elastic_links import Roots, RootState

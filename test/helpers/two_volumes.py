@@ -10,8 +10,8 @@ import math
 import numpy as np
 from scipy.integrate import solve_ivp
 
-from forest_description.components.drives import Friction
 from forest_description.machine import Machine
+from forest_description.mechanics.drives import Friction
 from forest_sim.equations.multibody import HANGING_STILL, mechanics, solve
 from forest_sim.equations.plant import transmissions
 from forest_sim.equations.plant_parameters import plant_parameters

@@ -7,8 +7,11 @@ In the order in which data passes:
   at random.
 - `geometry`: The crane as lines in space: tip kinematics, and the triangles of the cylinders'
   linkages.
-- `components`: What a crane is made of: pump, valves, hoses, oil, actuators, sensors, load; with
-  their static laws.
+- `hydraulics`: What the oil passes: pump, valves, compensators, load holding, hoses, tank line;
+  with their static laws.
+- `mechanics`: What the oil moves: actuators with gear and friction, links that bend, end stops, head
+  and load.
+- `sensors`: What is measured: the sensors by kind, and what their calibration found.
 - `machine`: The crane as numbers: pump, valve, hoses, actuators, manipulator, sensors; all SI,
   frozen, range-checked.
 - `derived`: What follows from a machine's numbers: limits, speeds, bodies, warm and cold oil, the

@@ -11,20 +11,21 @@ import math
 from dataclasses import dataclass
 from pathlib import Path
 
-from forest_description.components.drives import CylinderDrive, SwingDrive
-from forest_description.components.end_stops import EndStops
-from forest_description.components.hose import GeometricHose, Hose, Line, MeasuredHose
-from forest_description.components.lifting_capacity import LiftingCapacity
-from forest_description.components.manipulator import Manipulator
-from forest_description.components.oil import Oil
-from forest_description.components.pump import IdealPump, LoadSensingPump, Pump
-from forest_description.components.sensors import Sensors
-from forest_description.components.tank_line import TankLine
-from forest_description.components.valve_parameters import PortValves, Valve
 from forest_description.config import schema, source_tree
 from forest_description.config.parameter import MachineError, ParameterSet, parameter
 from forest_description.config.units import UNITS
 from forest_description.geometry.linkage import Linkage
+from forest_description.hydraulics.hose import GeometricHose, Hose, Line, MeasuredHose
+from forest_description.hydraulics.oil import Oil
+from forest_description.hydraulics.pump import IdealPump, LoadSensingPump, Pump
+from forest_description.hydraulics.tank_line import TankLine
+from forest_description.hydraulics.valve_parameters import PortValves, Valve
+from forest_description.mechanics.chassis import Chassis
+from forest_description.mechanics.drives import CylinderDrive, SwingDrive
+from forest_description.mechanics.end_stops import EndStops
+from forest_description.mechanics.lifting_capacity import LiftingCapacity
+from forest_description.mechanics.manipulator import Manipulator
+from forest_description.sensors.sensor_kinds import Sensors
 from forest_description.types import AXES
 
 OWN_SECTIONS = ("valve", "hose")
@@ -51,6 +52,7 @@ class Machine(ParameterSet):
     command_timeout: float = parameter("s", 0.005, 10.0, "age at which a voltage command counts as zero")
     tank_line: TankLine | None = None
     capacity: LiftingCapacity | None = None
+    chassis: Chassis | None = None
 
     def __post_init__(self) -> None:
         """Check ranges, where the joints go, the port valves, and what hoses known by their bore need."""

@@ -10,8 +10,8 @@ In the order in which data passes:
 - `stage`: One implicit stage of the equations of motion: hoses exactly, the rest by Newton.
 - `solver`: Steps in time, of two stages and second order, interpreted or compiled.
 - `sensors`: What the machine's sensors report of its true state.
-- `simulation`: Machines under way, with or without a graph: inputs, disturbances, energy, records,
-  batches.
+- `simulation`: Machines under way, without a graph: inputs, disturbances, energy, records, batches.
+- `live`: A machine in a graph: its parameters, deadlines and topics, and which voltages it obeys.
 - `compiled`: The simulator's kernels, plant and sensors, made beforehand.
 - `simulator_node`: The machine as a node: takes /valve_voltages, keeps the graph's time, publishes
   what its sensors report.

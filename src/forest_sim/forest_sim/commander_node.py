@@ -15,7 +15,7 @@ from forest_msgs_py.interfaces import topics
 from forest_msgs_py.runtime.node import Finished, run_node
 from forest_msgs_py.runtime.node_parameters import declare
 from forest_msgs_py.runtime.parameter_table import ParameterError
-from forest_sim.simulation.simulator_parameters import CommanderParameters
+from forest_sim.live.simulator_parameters import CommanderParameters
 from forest_sim.simulation.voltage_profiles import InputError, read_voltages
 
 

@@ -29,12 +29,12 @@ from forest_msgs_py.runtime.parameter_table import MachineParameter
 from forest_msgs_py.runtime.services import offer_triggers
 from forest_msgs_py.safety.diagnostics import Diagnostics
 from forest_msgs_py.types import PERIOD, PERIOD_NS
-from forest_sim.simulation.deadlines import Deadlines
+from forest_sim.live.deadlines import Deadlines
+from forest_sim.live.grapple import Grapple
+from forest_sim.live.simulator_parameters import SimulatorParameters, simulated_machine
+from forest_sim.live.simulator_topics import SimulatorInputs, SimulatorOutputs, parts
 from forest_sim.simulation.disturbance import parse_disturbance
-from forest_sim.simulation.grapple import Grapple
 from forest_sim.simulation.sensor_log import further_topics, topic_values
-from forest_sim.simulation.simulator_parameters import SimulatorParameters, simulated_machine
-from forest_sim.simulation.simulator_topics import SimulatorInputs, SimulatorOutputs, parts
 
 
 class SimulatorNode(Node):

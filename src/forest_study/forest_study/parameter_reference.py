@@ -25,7 +25,7 @@ from forest_ident.driving.operator_parameters import OperatorParameters
 from forest_ident.online.online_parameters import OnlineParameters
 from forest_msgs_py.clock.clock_parameters import ClockParameters, LeaderParameters, ListenerParameters
 from forest_msgs_py.runtime.parameter_table import MachineParameter, Parameter, table_rows
-from forest_sim.simulation.simulator_parameters import CommanderParameters, SimulatorParameters
+from forest_sim.live.simulator_parameters import CommanderParameters, SimulatorParameters
 from forest_station.server.station_parameters import StationParameters
 from forest_study.closed_loop.link_model import DelayParameters, Quality
 from forest_viewers.server.server_parameters import ServerParameters

@@ -21,9 +21,9 @@ from forest_control.servo.anti_sway import (
     sway_parameters,
 )
 from forest_control.servo.schemes import Scheme
-from forest_description.components.load import Pendulum
 from forest_description.derived.limits import pose_at, start_tip
 from forest_description.machine import load_machine
+from forest_description.mechanics.load import Pendulum
 from forest_description.types import ZERO
 from forest_msgs_py.types import PERIOD
 

@@ -10,9 +10,9 @@ from forest_control.valve.tracking_limit import Reach
 from forest_control.valve.valve_driver import REST, Motion, Pressures, step
 from forest_control.valve.valve_driver_parameters import Settings, parameters
 from forest_control.valve.valve_inverse import required_opening
-from forest_description.components.compensator import CompensatorBeforeSpool
 from forest_description.derived.actuator_kinematics import displacements, metering_drop, rated_speeds
 from forest_description.geometry.linkage import lever_arm
+from forest_description.hydraulics.compensator import CompensatorBeforeSpool
 from forest_description.machine import load_machine
 
 FORWARDER = load_machine("forwarder")

@@ -11,7 +11,7 @@ from forest_control.valve import valve_driver_parameters
 from forest_control.valve.valve_adaptation import NO_ESTIMATE, updated_estimate
 from forest_control.valve.valve_driver_parameters import Settings
 from forest_control.valve.valve_flow import AxisMeasurement, Yielding, opening_from_flow
-from forest_description.components.valve_characteristic import TABLE, Curve, Direction, ValveLaw, edges
+from forest_description.hydraulics.valve_characteristic import TABLE, Curve, Direction, ValveLaw, edges
 from forest_description.machine import load_machine
 
 MACHINE = load_machine("c180_hoses")

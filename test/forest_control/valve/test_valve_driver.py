@@ -9,7 +9,8 @@ import pytest
 from forest_control.valve import valve_driver, valve_driver_parameters, valve_hold
 from forest_control.valve.valve_driver import REST, STILL, UNSEEN, Pressures
 from forest_control.valve.valve_driver_parameters import Settings
-from forest_description.components.valve_characteristic import (
+from forest_description.derived.actuator_kinematics import rated_speeds
+from forest_description.hydraulics.valve_characteristic import (
     LINEAR_AREA,
     POLYNOMIAL,
     TABLE,
@@ -18,7 +19,6 @@ from forest_description.components.valve_characteristic import (
     ValveLaw,
     edges,
 )
-from forest_description.derived.actuator_kinematics import rated_speeds
 from forest_description.machine import load_machine
 
 MACHINE = load_machine("c180_hoses")

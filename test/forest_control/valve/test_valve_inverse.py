@@ -8,7 +8,7 @@ from forest_control.valve import valve_driver, valve_driver_parameters
 from forest_control.valve.valve_driver import REST, STILL, UNSEEN
 from forest_control.valve.valve_driver_parameters import Settings
 from forest_control.valve.valve_inverse import required_opening, spool_voltage
-from forest_description.components.valve_characteristic import opening_at, stroke
+from forest_description.hydraulics.valve_characteristic import opening_at, stroke
 from forest_description.machine import load_machine
 
 REAL = load_machine("c180")

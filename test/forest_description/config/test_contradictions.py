@@ -6,10 +6,10 @@ import re
 import numpy as np
 import pytest
 
-from forest_description.components.drives import Friction
-from forest_description.components.inertia import require_rigid
 from forest_description.config.parameter import MachineError
 from forest_description.machine import load_machine
+from forest_description.mechanics.drives import Friction
+from forest_description.mechanics.inertia import require_rigid
 
 C180, THESIS = load_machine("c180_hoses"), load_machine("c180_thesis")
 

@@ -5,17 +5,17 @@ import re
 
 import pytest
 
-from forest_description.components.drives import Cushion, Friction
-from forest_description.components.pump import (
+from forest_description.config.parameter import MachineError
+from forest_description.config.schema import parameters
+from forest_description.hydraulics.pump import (
     ConstantFlowPump,
     IdealPump,
     LoadSensingPump,
     PressureCompensatedPump,
 )
-from forest_description.components.valve_parameters import BackwardValve, PolynomialCurve, TableCurve
-from forest_description.config.parameter import MachineError
-from forest_description.config.schema import parameters
+from forest_description.hydraulics.valve_parameters import BackwardValve, PolynomialCurve, TableCurve
 from forest_description.machine import Machine, load_machine, sources
+from forest_description.mechanics.drives import Cushion, Friction
 
 C180 = load_machine("c180_hoses")
 IDEAL = "pump:\n  kind: ideal\n  supply_pressure: {value: 18, unit: MPa, source: x}\n"

@@ -5,7 +5,6 @@ import dataclasses
 import numpy as np
 import pytest
 
-from forest_description.components.load import Log, Pendulum, RotatorAndGrapple
 from forest_description.derived.bodies import (
     PlanarBody,
     boom_body,
@@ -16,6 +15,7 @@ from forest_description.derived.bodies import (
     with_log,
 )
 from forest_description.machine import load_machine
+from forest_description.mechanics.load import Log, Pendulum, RotatorAndGrapple
 
 C180, THESIS = load_machine("c180_hoses").manipulator, load_machine("c180_thesis").manipulator
 STICK = PlanarBody(7.0, 1.5, 0.2, 3.0, 5.0, 6.0, -0.7)

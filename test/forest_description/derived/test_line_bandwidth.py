@@ -5,9 +5,9 @@ import math
 
 import pytest
 
-from forest_description.components.hose import BLASIUS, GeometricHose
 from forest_description.derived.line_bandwidth import lump_frequency, lump_limit, one_lump_warnings
 from forest_description.derived.temperature import at_temperature
+from forest_description.hydraulics.hose import BLASIUS, GeometricHose
 from forest_description.machine import load_machine
 
 C180, THESIS = load_machine("c180_hoses"), load_machine("c180_thesis")

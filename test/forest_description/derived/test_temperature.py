@@ -4,13 +4,13 @@ import dataclasses
 
 import pytest
 
-from forest_description.components.drives import Cushion
-from forest_description.components.hose import BLASIUS, GeometricHose
-from forest_description.components.load_holding import RuptureValve
-from forest_description.components.valve_parameters import BackwardValve
 from forest_description.config.parameter import MachineError
 from forest_description.derived.temperature import at_temperature
+from forest_description.hydraulics.hose import BLASIUS, GeometricHose
+from forest_description.hydraulics.load_holding import RuptureValve
+from forest_description.hydraulics.valve_parameters import BackwardValve
 from forest_description.machine import load_machine
+from forest_description.mechanics.drives import Cushion
 
 C180, THESIS = load_machine("c180_hoses"), load_machine("c180_thesis")
 OIL = C180.oil

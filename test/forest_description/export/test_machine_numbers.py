@@ -5,10 +5,10 @@ import subprocess
 import sys
 from pathlib import Path
 
-from forest_description.components.valve_parameters import TableCurve
 from forest_description.config.schema import Quantity, parameters
 from forest_description.export import machine_keys
 from forest_description.export.machine_numbers import choices, document, number, table
+from forest_description.hydraulics.valve_parameters import TableCurve
 from forest_description.machine import Machine, load_machine
 
 ROOT = Path(__file__).parents[3]

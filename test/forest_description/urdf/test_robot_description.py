@@ -6,7 +6,6 @@ from xml.etree import ElementTree
 import numpy as np
 import pytest
 
-from forest_description.components.load import Log, Pendulum
 from forest_description.derived.bodies import boom_body, stick_body
 from forest_description.derived.limits import joint_limits
 from forest_description.derived.passive_joints import (
@@ -18,6 +17,7 @@ from forest_description.derived.passive_joints import (
 from forest_description.geometry.kinematics import tip_position
 from forest_description.geometry.linkage import cylinder_length
 from forest_description.machine import load_machine
+from forest_description.mechanics.load import Log, Pendulum
 from forest_description.urdf.robot_description import robot_description
 
 MACHINE, THESIS, LOADER = load_machine("c180_hoses"), load_machine("c180_thesis"), load_machine("loader")

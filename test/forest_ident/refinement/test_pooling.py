@@ -5,7 +5,7 @@ import math
 
 import pytest
 
-from forest_description.components.valve_parameters import BackwardValve
+from forest_description.hydraulics.valve_parameters import BackwardValve
 from forest_description.machine import load_machine
 from forest_ident.estimators.parameter_estimate import Estimate
 from forest_ident.refinement.pooling import pooled

@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 from free_swings import rates_after
 
-from forest_description.components.drives import Friction
-from forest_description.components.load import Pendulum
 from forest_description.geometry.linkage import lever_arm
 from forest_description.machine import load_machine
+from forest_description.mechanics.drives import Friction
+from forest_description.mechanics.load import Pendulum
 from forest_sim.analysis.friction_linearisation import without_dry_friction
 from forest_sim.analysis.mode_map import mode_map
 from forest_sim.analysis.modes import modes, operating_point, slow_modes, unguarded

@@ -5,10 +5,10 @@ import dataclasses
 import numpy as np
 import pytest
 
-from forest_description.components.drives import Cushion
-from forest_description.components.load import Pendulum
 from forest_description.geometry.kinematics import tip_position
 from forest_description.machine import load_machine
+from forest_description.mechanics.drives import Cushion
+from forest_description.mechanics.load import Pendulum
 from forest_sim.equations.multibody import HANGING_STILL, Inertia, mechanics, resisted, solve, times
 from forest_sim.equations.plant import passive_force, supply_draw
 from forest_sim.equations.plant_parameters import plant_parameters

@@ -8,7 +8,7 @@ import pytest
 from scipy.integrate import quad
 from scipy.optimize import brentq
 
-from forest_description.components.oil import EntrainedAir
+from forest_description.hydraulics.oil import EntrainedAir
 from forest_description.machine import load_machine
 from forest_sim.hydraulics.oil_law import density, enthalpy, held_above_vapour, is_near, oil_law
 from forest_sim.hydraulics.oil_volume import OilVolume, content, settled_pressure

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.integrate import quad
 
-from forest_description.components.hose import Line
+from forest_description.hydraulics.hose import Line
 from forest_description.machine import load_machine
 from forest_sim.equations.plant_parameters import NO_GUARD
 from forest_sim.hydraulics.hydraulic_line import solve_line

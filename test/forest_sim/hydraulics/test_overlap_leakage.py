@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 from full_machine import START, advance
 
-from forest_description.components.pump import IdealPump
-from forest_description.components.valve_characteristic import edges
 from forest_description.geometry.linkage import cylinder_length
+from forest_description.hydraulics.pump import IdealPump
+from forest_description.hydraulics.valve_characteristic import edges
 from forest_description.machine import load_machine
 from forest_ident.measurements.readings import valve_pressures
 from forest_sim.equations.plant_parameters import plant_parameters

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 from scipy.interpolate import CubicSpline
 
-from forest_description.components.valve_characteristic import edges
 from forest_description.geometry.linkage import lever_arm
+from forest_description.hydraulics.valve_characteristic import edges
 from forest_description.machine import load_machine
 from forest_description.types import AXES
 from forest_sim.equations.plant_parameters import plant_parameters

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from forest_description.components.drives import BearingFriction
+from forest_description.mechanics.drives import BearingFriction
 from forest_sim.mechanics.bristles import NO_BRISTLES, bristles, rubbing, sliding_friction, stuck_after
 
 BEARING = BearingFriction(

@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 from full_machine import C180, CUSHION, FRICTION, START, advance
 
-from forest_description.components.drives import Friction
 from forest_description.config.parameter import MachineError
 from forest_description.geometry.linkage import cylinder_length, joint_angle
+from forest_description.mechanics.drives import Friction
 from forest_sim.equations.plant_parameters import plant_parameters
 from forest_sim.mechanics.end_stop import UNCUSHIONED, CushionBrake, cushion_resistance
 from forest_sim.mechanics.friction import FRICTIONLESS, friction, friction_force, friction_slope

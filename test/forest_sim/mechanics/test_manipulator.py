@@ -7,10 +7,10 @@ import numpy as np
 import pytest
 from energies import kinetic_energy, potential_energy
 
-from forest_description.components.load import Log
 from forest_description.config.parameter import replace_unchecked
 from forest_description.geometry.kinematics import tip_position
 from forest_description.machine import load_machine
+from forest_description.mechanics.load import Log
 from forest_sim.mechanics.manipulator import dynamics, fold_head, tip_load_torques
 
 MANIPULATOR, THESIS = load_machine("c180_hoses").manipulator, load_machine("c180_thesis").manipulator

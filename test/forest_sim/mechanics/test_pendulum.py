@@ -8,8 +8,8 @@ import pytest
 from energies import kinetic_energy, pendulum_kinetic_energy, pendulum_potential_energy, potential_energy
 from scipy.integrate import solve_ivp
 
-from forest_description.components.load import Log, Pendulum
 from forest_description.machine import load_machine
+from forest_description.mechanics.load import Log, Pendulum
 from forest_sim.mechanics import pendulum
 from forest_sim.mechanics.manipulator import dynamics, fold_head
 from forest_sim.mechanics.pendulum import (

@@ -5,9 +5,9 @@ import dataclasses
 import numpy as np
 import pytest
 
-from forest_description.components.load import Log, Pendulum
 from forest_description.derived.passive_joints import HEAD_JOINTS
 from forest_description.machine import load_machine
+from forest_description.mechanics.load import Log, Pendulum
 from forest_description.urdf.robot_description import robot_description
 from forest_sim.mechanics.manipulator import dynamics, fold_head
 from forest_sim.mechanics.pendulum import hanging_head, pendulum_dynamics

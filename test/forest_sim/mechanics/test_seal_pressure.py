@@ -7,9 +7,9 @@ import pytest
 from full_machine import START, advance, full_machine, pack, reference, rigid
 from two_volumes import CHAMBER_1, CHAMBER_2, opened_and_shut
 
-from forest_description.components.drives import Friction
-from forest_description.components.pump import IdealPump
+from forest_description.hydraulics.pump import IdealPump
 from forest_description.machine import load_machine
+from forest_description.mechanics.drives import Friction
 from forest_sim.analysis.friction_linearisation import axes_with_friction, with_pressed_seals
 from forest_sim.equations.plant_parameters import plant_parameters
 from forest_sim.mechanics.friction import friction, friction_force, pressed

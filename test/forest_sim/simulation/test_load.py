@@ -6,8 +6,8 @@ import re
 import numpy as np
 import pytest
 
-from forest_description.components.load import Log, RotatorAndGrapple
 from forest_description.machine import load_machine
+from forest_description.mechanics.load import Log, RotatorAndGrapple
 from forest_msgs_py.interfaces import topics
 from forest_sim.equations.plant_parameters import plant_parameters
 from forest_sim.sensors.sensor_suite import EXACT_SUITE

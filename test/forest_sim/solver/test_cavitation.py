@@ -6,7 +6,7 @@ import math
 import numpy as np
 import pytest
 
-from forest_description.components.hose import Line
+from forest_description.hydraulics.hose import Line
 from forest_description.machine import load_machine
 from forest_sim.equations.plant import at_joints, transmissions
 from forest_sim.equations.plant_parameters import NO_GUARD, plant_parameters

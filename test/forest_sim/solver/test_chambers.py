@@ -8,8 +8,8 @@ import pytest
 from full_machine import rigid
 from two_volumes import CHAMBER_1, CHAMBER_2, opened_and_shut
 
-from forest_description.components.pump import IdealPump
 from forest_description.geometry.linkage import length_and_arm
+from forest_description.hydraulics.pump import IdealPump
 from forest_description.machine import load_machine
 from forest_sim.analysis.modes import SHUT, modes, slow_modes
 from forest_sim.equations.multibody import HANGING_STILL, mechanics

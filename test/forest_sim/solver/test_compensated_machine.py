@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 from full_machine import advance
 
-from forest_description.components.compensator import CompensatorAfterSpool, CompensatorBeforeSpool
-from forest_description.components.valve_characteristic import edges
 from forest_description.derived.bodies import with_log
+from forest_description.hydraulics.compensator import CompensatorAfterSpool, CompensatorBeforeSpool
+from forest_description.hydraulics.valve_characteristic import edges
 from forest_description.machine import load_machine
 from forest_sim.equations.plant_parameters import plant_parameters
 from forest_sim.hydraulics.oil_volume import hose_drop

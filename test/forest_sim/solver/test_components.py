@@ -18,7 +18,7 @@ from full_machine import (
     with_pump,
 )
 
-from forest_description.components.valve_parameters import BackwardValve
+from forest_description.hydraulics.valve_parameters import BackwardValve
 from forest_sim.equations.plant import state_derivative
 from forest_sim.equations.plant_parameters import plant_parameters
 from forest_sim.equations.valve_ports import ports_at

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from full_machine import advance
 
-from forest_description.components.valve_characteristic import Direction
+from forest_description.hydraulics.valve_characteristic import Direction
 from forest_description.machine import load_machine
 from forest_sim.equations.plant_parameters import plant_parameters
 from forest_sim.half_step.load_sensing import open_halves, open_share

@@ -8,8 +8,8 @@ import pytest
 from full_machine import C180, advance, pack, unpack
 from scipy.integrate import solve_ivp
 
-from forest_description.components.pump import IdealPump
-from forest_description.components.valve_characteristic import edges
+from forest_description.hydraulics.pump import IdealPump
+from forest_description.hydraulics.valve_characteristic import edges
 from forest_sim.equations.plant import state_derivative
 from forest_sim.equations.plant_parameters import plant_parameters
 from forest_sim.equations.valve_ports import ports_at

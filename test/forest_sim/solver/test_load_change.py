@@ -7,10 +7,10 @@ import numpy as np
 import pytest
 from springing_crane import SpringingCrane
 
-from forest_description.components.drives import CylinderChambers
-from forest_description.components.load import Log, RotatorAndGrapple
 from forest_description.geometry.kinematics import tip_position
 from forest_description.machine import load_machine
+from forest_description.mechanics.drives import CylinderChambers
+from forest_description.mechanics.load import Log, RotatorAndGrapple
 from forest_sim.equations.multibody import HANGING_STILL, mechanics
 from forest_sim.equations.plant_parameters import plant_parameters
 from forest_sim.mechanics.manipulator import dynamics

@@ -10,9 +10,9 @@ from held_volumes import HeldVolumes
 from scipy.integrate import solve_ivp
 from two_volumes import CHAMBER_1, CHAMBER_2
 
-from forest_description.components.load_holding import CounterbalanceValve, PilotCheckValve, RuptureValve
-from forest_description.components.pump import IdealPump
-from forest_description.components.valve_characteristic import edges
+from forest_description.hydraulics.load_holding import CounterbalanceValve, PilotCheckValve, RuptureValve
+from forest_description.hydraulics.pump import IdealPump
+from forest_description.hydraulics.valve_characteristic import edges
 from forest_description.machine import load_machine
 from forest_sim.equations.plant_parameters import plant_parameters
 from forest_sim.half_step.holding_step import lifts_after

@@ -7,10 +7,10 @@ import pytest
 from energies import kinetic_energy, pendulum_kinetic_energy, pendulum_potential_energy, potential_energy
 from full_machine import pack, unpack
 
-from forest_description.components.drives import Cushion, Friction
-from forest_description.components.load import Pendulum
 from forest_description.geometry.kinematics import inverse_kinematics, tip_velocity
 from forest_description.machine import load_machine
+from forest_description.mechanics.drives import Cushion, Friction
+from forest_description.mechanics.load import Pendulum
 from forest_sim.equations.plant import state_derivative
 from forest_sim.equations.plant_parameters import plant_parameters
 from forest_sim.equations.valve_ports import ports_at

@@ -10,11 +10,11 @@ import pytest
 
 from forest_control.config.workspace_file import load_workspace
 from forest_control.limits.workspace import clearance
-from forest_description.components.load import Log, Pendulum
 from forest_description.derived.limits import joint_limits, workspace_limits
 from forest_description.geometry.kinematics import tip_position
 from forest_description.geometry.linkage import cylinder_length
 from forest_description.machine import load_machine
+from forest_description.mechanics.load import Log, Pendulum
 from forest_description.types import AXES
 from forest_description.urdf.robot_description import robot_description
 from forest_msgs_py.interfaces import topics

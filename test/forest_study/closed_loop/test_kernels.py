@@ -78,9 +78,9 @@ def test_a_hose_with_another_field_has_no_kernel_yet(tmp_path, field, ready):
     for name in ("plant", "sensors", "controller", "driver"):
         KERNELS[name].kernel()
     copy = shutil.copytree(Path(forest_description.__file__).parent, tmp_path / "forest_description")
-    text = (copy / "components" / "hose.py").read_text()
+    text = (copy / "hydraulics" / "hose.py").read_text()
     assert text.count("    capacitance: float\n") == 1
-    (copy / "components" / "hose.py").write_text(
+    (copy / "hydraulics" / "hose.py").write_text(
         text.replace("    capacitance: float\n", f"    capacitance: float\n{field}")
     )
     path = os.pathsep.join([str(tmp_path), os.environ.get("PYTHONPATH", "")])

@@ -14,8 +14,8 @@ from forest_control.operator.levers import Levers
 from forest_control.operator.operator_profile import Mode
 from forest_control.servo.schemes import Scheme
 from forest_control.valve import valve_driver_parameters
-from forest_description.components.valve_parameters import PolynomialCurve, TableCurve
 from forest_description.geometry.kinematics import inverse_kinematics
+from forest_description.hydraulics.valve_parameters import PolynomialCurve, TableCurve
 from forest_description.machine import load_machine
 from forest_msgs_py.types import PERIOD
 from forest_sim.equations.plant_parameters import plant_parameters

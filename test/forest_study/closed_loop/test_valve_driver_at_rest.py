@@ -9,8 +9,8 @@ from forest_control.config import controller_settings
 from forest_control.operator.levers import REST, levers_for_tip_velocity
 from forest_control.servo.schemes import Scheme
 from forest_control.valve import valve_driver_parameters
-from forest_description.components.valve_parameters import BackwardValve
 from forest_description.derived.limits import joint_limits
+from forest_description.hydraulics.valve_parameters import BackwardValve
 from forest_description.machine import load_machine
 from forest_msgs_py.types import PERIOD
 from forest_study.ablation import pushes

@@ -32,6 +32,15 @@ def test_a_delay_slows_the_hands_and_does_not_make_them_overshoot(trip):
     assert np.argmax(way < 0.1) > np.argmax(_reached(EXACT, max(0.0, trip - 0.3))[:, 0] < 0.1) or trip == 0.0
 
 
+def test_whoever_sees_late_still_pushes_beyond_the_levers_play():
+    hands = Hands(EXACT, 0.0, 2.0, LOOK, 0)
+    for k in range(100):
+        levers = hands.steer(np.array([0.02, -0.04, 0.03]), np.ones(3), k * LOOK)
+        assert not levers.swing
+        assert not levers.stick
+    assert -0.021 < levers.boom < -0.019
+
+
 @pytest.mark.parametrize(("axes", "least", "most"), [(1.0, 1.0, 1.0), (1.5, 1.2, 1.8), (3.0, 3.0, 3.0)])
 def test_attention_serves_so_many_levers_at_once(axes, least, most):
     hands = Hands(EXACT._replace(axes=axes, hand=0.02), 0.0, 0.0, LOOK, 1)

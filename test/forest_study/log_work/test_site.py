@@ -1,14 +1,13 @@
-"""The place of work: the published task, contacts and the tip-over margin against closed forms."""
+"""The place of work: the published task, contacts, and the vehicle."""
 
 import dataclasses
-import math
 
 import numpy as np
 import pytest
 
 from forest_description.derived.limits import pose_at
 from forest_description.machine import load_machine
-from forest_study.log_work import clearance, stability, task
+from forest_study.log_work import clearance, task
 from forest_study.log_work.site import site_of
 from forest_study.results import StudyError
 
@@ -68,15 +67,8 @@ def test_a_log_that_crosses_a_stake_and_one_in_the_ground_are_contacts():
     assert clearance.contacts(m, SITE, _angles(*red), STILL, np.ones(1)) == 0
 
 
-def test_the_margin_is_the_sum_of_moments_about_the_wheel_line():
-    m = MACHINE.manipulator
-    reach = m.base_offset + m.boom_length + m.stick_length
-    side = np.array([[math.pi / 2, 0.0, 0.0]])
-    empty, full = (stability.margin(m, SITE, side, np.array([mass]))[0] for mass in (0.0, 200.0))
-    holding = SITE.chassis * SITE.half_track + m.base_mass * (SITE.half_track - m.base_x)
-    assert full - empty == pytest.approx(-200.0 * (reach - SITE.half_track) / holding)
-    tipping = m.head_mass * (reach - SITE.half_track)
-    tipping += m.boom_mass * (m.base_offset + m.boom_x - SITE.half_track)
-    tipping += m.stick_mass * (m.base_offset + m.boom_length + m.stick_x - SITE.half_track)
-    assert empty == pytest.approx(1.0 - tipping / holding)
-    assert stability.margin(m, SITE, np.zeros((1, 3)), np.zeros(1))[0] == 1.0
+def test_the_usual_vehicle_grows_with_the_crane_and_a_told_one_is_taken():
+    site = site_of(load_machine("loader"))
+    assert site.chassis.half_width == pytest.approx(1.35 * site.scale)
+    assert site.chassis.mass == pytest.approx(15000.0 * site.scale**3)
+    assert SITE.chassis == MACHINE.chassis

@@ -24,9 +24,9 @@ from typing import NamedTuple
 
 from forest_control.limits.load_weighing import LEAST_LEVER
 from forest_control.limits.workspace import NEGLIGIBLE_SPEED
-from forest_description.components.lifting_capacity import MOST_POINTS
 from forest_description.geometry.kinematics import Links, tip_position, tip_velocity
 from forest_description.machine import Machine
+from forest_description.mechanics.lifting_capacity import MOST_POINTS
 from forest_description.types import Vec3
 
 APPROACH = 1.0  # [1/s] k: the weighing lags by 1.1 s, and a quicker approach would overshoot; chosen

@@ -19,12 +19,12 @@ import math
 from typing import NamedTuple
 
 from forest_control.valve.valve_driver_parameters import AxisDriver, axis_drivers
-from forest_description.components.drives import Friction
-from forest_description.components.elasticity import Elasticity
 from forest_description.derived.actuator_kinematics import Linkages
 from forest_description.derived.bodies import bearing_stick, boom_body
 from forest_description.geometry.linkage import Linkage, cylinder_length, lever_arm
 from forest_description.machine import Machine
+from forest_description.mechanics.drives import Friction
+from forest_description.mechanics.elasticity import Elasticity
 from forest_description.types import Vec3
 
 Pair = tuple[float, float]

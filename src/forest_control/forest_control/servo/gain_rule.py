@@ -27,10 +27,10 @@ from forest_control.servo.arm_feedforward import arm_inertia, arm_model
 from forest_control.servo.schemes import ERROR_LAG, FULL_RATE
 from forest_control.servo.swing_feedforward import inertia, swing_model
 from forest_control.valve.valve_driver_parameters import AxisDriver, axis_drivers
-from forest_description.components.pump import LoadSensingPump
 from forest_description.derived.limits import joint_limits
 from forest_description.geometry.kinematics import tip_position
 from forest_description.geometry.linkage import cylinder_length, lever_arm
+from forest_description.hydraulics.pump import LoadSensingPump
 from forest_description.machine import Machine
 from forest_description.types import Complexes, Floats, Vec3
 from forest_msgs_py.types import PERIOD

@@ -22,7 +22,7 @@ from typing import NamedTuple
 
 from forest_control.valve.valve_adaptation import DirectionEstimate, ValveEstimate, gain
 from forest_control.valve.valve_driver_parameters import Axes, AxisDriver, moved_spools
-from forest_description.components.valve_characteristic import Direction
+from forest_description.hydraulics.valve_characteristic import Direction
 from forest_description.types import Vec3
 
 Flags = tuple[bool, bool, bool]

@@ -39,7 +39,7 @@ from forest_control.valve.valve_flow import (
     opening_from_flow,
     opening_variance,
 )
-from forest_description.components.valve_characteristic import (
+from forest_description.hydraulics.valve_characteristic import (
     LINEAR,
     Direction,
     ValveLaw,

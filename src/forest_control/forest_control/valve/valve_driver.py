@@ -38,7 +38,7 @@ from forest_control.valve.valve_driver_parameters import (
 from forest_control.valve.valve_flow import AxisMeasurement
 from forest_control.valve.valve_hold import SHUT, HoldState, held_command
 from forest_control.valve.valve_inverse import spool_voltage
-from forest_description.components.valve_characteristic import ValveLaw
+from forest_description.hydraulics.valve_characteristic import ValveLaw
 from forest_description.types import Vec3
 
 ValveEstimates = tuple[ValveEstimate, ValveEstimate, ValveEstimate]

@@ -10,9 +10,9 @@ from typing import Annotated, NamedTuple
 from forest_control.valve.spool_model import SpoolLaw, after
 from forest_control.valve.valve_adaptation import AdaptationParameters
 from forest_control.valve.valve_flow import FlowParameters, Yielding
-from forest_description.components.load_holding import LoadHolding, RuptureValve
-from forest_description.components.valve_characteristic import ValveLaw
 from forest_description.derived.actuator_kinematics import displacements, metering_drop, rated_speeds
+from forest_description.hydraulics.load_holding import LoadHolding, RuptureValve
+from forest_description.hydraulics.valve_characteristic import ValveLaw
 from forest_description.machine import Machine
 from forest_description.types import Vec3
 from forest_msgs_py.runtime.parameter_table import Parameter, tunable

@@ -14,7 +14,7 @@ The opening is y sqrt(S / N). Flows, openings and V count along the positive dir
 import math
 from typing import NamedTuple
 
-from forest_description.components.valve_characteristic import ValveLaw
+from forest_description.hydraulics.valve_characteristic import ValveLaw
 
 BANDWIDTH = (
     2.0 * math.pi * 10.0

@@ -6,7 +6,7 @@ Symbols and units: `valve_driver`.
 import math
 
 from forest_control.valve.valve_driver_parameters import AxisDriver, Parameters
-from forest_description.components.valve_characteristic import ValveLaw, voltage_for_opening
+from forest_description.hydraulics.valve_characteristic import ValveLaw, voltage_for_opening
 
 LEAST_PART = 0.1  # [1] of a port's usual root of the pressure drop, taken to remain; chosen
 

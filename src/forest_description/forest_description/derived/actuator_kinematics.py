@@ -15,9 +15,9 @@ of the joint, behind the gear train, not of the motor shaft. Extending is positi
 
 import math
 
-from forest_description.components.compensator import CompensatorAfterSpool
-from forest_description.components.pump import LoadSensingPump
 from forest_description.geometry.linkage import Linkage, lever_arm
+from forest_description.hydraulics.compensator import CompensatorAfterSpool
+from forest_description.hydraulics.pump import LoadSensingPump
 from forest_description.machine import Machine
 from forest_description.types import Vec3
 

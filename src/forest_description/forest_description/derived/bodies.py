@@ -14,8 +14,8 @@ joint, y across, upwards when the link points forward, z the joint axis.
 import dataclasses
 from typing import NamedTuple
 
-from forest_description.components.load import Log, RotatorAndGrapple
-from forest_description.components.manipulator import Manipulator
+from forest_description.mechanics.load import Log, RotatorAndGrapple
+from forest_description.mechanics.manipulator import Manipulator
 
 
 class PlanarBody(NamedTuple):

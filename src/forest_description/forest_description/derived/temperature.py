@@ -23,15 +23,15 @@ gal/min has Re = 4600 at 40 °C, 1600 at 20 °C.
 
 from typing import NamedTuple
 
-from forest_description.components.drives import CylinderDrive, SwingDrive
-from forest_description.components.hose import Hose, MeasuredHose
-from forest_description.components.load_holding import LoadHolding, RuptureValve
-from forest_description.components.oil import Oil
-from forest_description.components.pump import IdealPump, Pump
-from forest_description.components.tank_line import TankLine
-from forest_description.components.valve_parameters import Valve
 from forest_description.config.parameter import MachineError, replace_unchecked
+from forest_description.hydraulics.hose import Hose, MeasuredHose
+from forest_description.hydraulics.load_holding import LoadHolding, RuptureValve
+from forest_description.hydraulics.oil import Oil
+from forest_description.hydraulics.pump import IdealPump, Pump
+from forest_description.hydraulics.tank_line import TankLine
+from forest_description.hydraulics.valve_parameters import Valve
 from forest_description.machine import Machine
+from forest_description.mechanics.drives import CylinderDrive, SwingDrive
 
 
 class Change(NamedTuple):

@@ -22,8 +22,6 @@ import dataclasses
 import math
 from xml.etree import ElementTree
 
-from forest_description.components.drives import CylinderDrive
-from forest_description.components.load import Log
 from forest_description.derived.actuator_kinematics import rated_speeds
 from forest_description.derived.bodies import PlanarBody, boom_body, hanging_body, stick_body
 from forest_description.derived.limits import Interval, joint_limits
@@ -35,6 +33,8 @@ from forest_description.derived.passive_joints import (
 )
 from forest_description.geometry.linkage import lever_arm
 from forest_description.machine import Machine
+from forest_description.mechanics.drives import CylinderDrive
+from forest_description.mechanics.load import Log
 from forest_description.types import Vec3
 from forest_description.urdf.elements import ORIGIN, Inertial, joint, limit, link, mimic, text, visual
 

@@ -34,7 +34,7 @@ Everything here is in the subset that `forest_compile.frontend` turns into machi
 import math
 from typing import NamedTuple
 
-from forest_description.components.hose import Line
+from forest_description.hydraulics.hose import Line
 from forest_sim.hydraulics.hydraulic_line import PortGuard, pressure_rate
 from forest_sim.hydraulics.supply import Supply, reference_rate
 from forest_sim.mechanics.friction import Friction, friction_force

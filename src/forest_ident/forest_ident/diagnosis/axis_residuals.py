@@ -18,8 +18,8 @@ A motor's leakage by the file is taken out of what is lost. A residual without i
 import math
 from typing import NamedTuple
 
-from forest_description.components.valve_characteristic import Direction, opening_at, stroke
 from forest_description.geometry.linkage import cylinder_length
+from forest_description.hydraulics.valve_characteristic import Direction, opening_at, stroke
 from forest_description.types import Vec3
 from forest_ident.diagnosis.machine_numbers import AxisNumbers, Parameters, Port, full_speed
 from forest_ident.diagnosis.readings import NAN, Learnt, Readings, Way

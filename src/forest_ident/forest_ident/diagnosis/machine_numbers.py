@@ -3,10 +3,10 @@
 import math
 from typing import NamedTuple
 
-from forest_description.components.drives import SwingDrive
-from forest_description.components.valve_characteristic import ValveLaw
 from forest_description.geometry.linkage import Linkage
+from forest_description.hydraulics.valve_characteristic import ValveLaw
 from forest_description.machine import Machine
+from forest_description.mechanics.drives import SwingDrive
 from forest_ident.diagnosis.readings import CHANNELS
 from forest_sim.equations.plant_parameters import PlantParameters, plant_parameters
 from forest_sim.hydraulics.load_holding import NONE

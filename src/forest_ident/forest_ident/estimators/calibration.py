@@ -21,14 +21,14 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from forest_description.components.sensor_calibration import (
+from forest_description.machine import Machine
+from forest_description.sensors.sensor_calibration import (
     CalibratedFlow,
     CalibratedPressure,
     CalibratedTemperature,
     Calibration,
     line_of,
 )
-from forest_description.machine import Machine
 from forest_description.types import Floats
 from forest_ident.estimators.parameter_estimate import NORMAL_95
 from forest_ident.experiments import test_rig

@@ -26,7 +26,7 @@ import math
 
 import numpy as np
 
-from forest_description.components.hose import MeasuredHose
+from forest_description.hydraulics.hose import MeasuredHose
 from forest_description.types import Floats
 from forest_ident.estimators.least_squares import LinearFit, solve
 from forest_ident.estimators.valve_characteristic import holds

@@ -21,7 +21,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from forest_description.components.valve_parameters import BackwardValve, Valve
+from forest_description.hydraulics.valve_parameters import BackwardValve, Valve
 from forest_description.types import Floats
 from forest_ident.measurements.readings import openings
 from forest_ident.measurements.session import Session

@@ -22,11 +22,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from forest_description.components.drives import CylinderDrive
 from forest_description.derived.limits import joint_limits, pose_at, start_tip
 from forest_description.geometry.kinematics import tip_position
 from forest_description.geometry.linkage import joint_angle
 from forest_description.machine import Machine
+from forest_description.mechanics.drives import CylinderDrive
 from forest_description.types import AXES, Vec3
 from forest_ident.experiments import test_rig
 from forest_ident.experiments.excitation import Programme, Row, Track, stairs

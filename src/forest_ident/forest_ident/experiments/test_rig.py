@@ -20,10 +20,10 @@ The motor's rig (fig. 4.9) is the machine itself with its platform tilted, see `
 import dataclasses
 from functools import lru_cache
 
-from forest_description.components.hose import GeometricHose, MeasuredHose
-from forest_description.components.manipulator import Manipulator
-from forest_description.components.sensors import Sensors
+from forest_description.hydraulics.hose import GeometricHose, MeasuredHose
 from forest_description.machine import Machine, load_machine
+from forest_description.mechanics.manipulator import Manipulator
+from forest_description.sensors.sensor_kinds import Sensors
 from forest_description.types import AXES
 
 DISPLACEMENT = 0.05  # [m^3/rad] D

@@ -8,8 +8,8 @@ import dataclasses
 from collections.abc import Mapping
 from typing import Any
 
-from forest_description.components.valve_parameters import BackwardValve, Valve
 from forest_description.config.parameter import MachineError, parameter_of
+from forest_description.hydraulics.valve_parameters import BackwardValve, Valve
 from forest_description.machine import Machine
 from forest_description.types import AXES
 

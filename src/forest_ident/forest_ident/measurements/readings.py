@@ -18,7 +18,8 @@ from collections.abc import Mapping
 import numpy as np
 import scipy
 
-from forest_description.components.valve_characteristic import (
+from forest_description.geometry.linkage import Linkage
+from forest_description.hydraulics.valve_characteristic import (
     POLYNOMIAL,
     SHUT,
     TABLE,
@@ -27,7 +28,6 @@ from forest_description.components.valve_characteristic import (
     ValveLaw,
     leakage_at,
 )
-from forest_description.geometry.linkage import Linkage
 from forest_description.types import AXES, Floats
 from forest_sim.equations.plant_parameters import Axis, PlantParameters
 from forest_sim.equations.valve_ports import valve_ports

@@ -18,7 +18,11 @@ import dataclasses
 from collections.abc import Callable, Collection
 from typing import NamedTuple
 
-from forest_description.components.drives import (
+from forest_description.hydraulics.load_holding import CounterbalanceValve
+from forest_description.hydraulics.oil import EntrainedAir
+from forest_description.hydraulics.valve_parameters import FlowCurve, Valve
+from forest_description.machine import Machine
+from forest_description.mechanics.drives import (
     Backlash,
     BearingFriction,
     CylinderChambers,
@@ -26,12 +30,8 @@ from forest_description.components.drives import (
     Friction,
     MotorChambers,
 )
-from forest_description.components.elasticity import Elasticity
-from forest_description.components.load import Pendulum
-from forest_description.components.load_holding import CounterbalanceValve
-from forest_description.components.oil import EntrainedAir
-from forest_description.components.valve_parameters import FlowCurve, Valve
-from forest_description.machine import Machine
+from forest_description.mechanics.elasticity import Elasticity
+from forest_description.mechanics.load import Pendulum
 from forest_description.types import AXES
 from forest_ident.measurements.parameter_path import SECTIONS, part_of, with_part
 

@@ -18,7 +18,7 @@ from collections.abc import Sequence
 import numpy as np
 import scipy
 
-from forest_description.components.valve_parameters import FlowCurve, Valve
+from forest_description.hydraulics.valve_parameters import FlowCurve, Valve
 from forest_description.machine import Machine
 from forest_description.types import Floats
 from forest_ident.estimators import valve_characteristic

@@ -16,9 +16,9 @@ the machine file. Thesis table 4.1, eq. 4.1, 4.11.
 import math
 from typing import NamedTuple
 
-from forest_description.components.drives import SwingDrive
 from forest_description.geometry.linkage import lever_arm
 from forest_description.machine import Machine
+from forest_description.mechanics.drives import SwingDrive
 from forest_description.types import Vec3
 from forest_ident.online import recursive_least_squares
 from forest_ident.online.recursive_least_squares import Estimator

@@ -7,8 +7,8 @@ import math
 
 import numpy as np
 
-from forest_description.components.sensors import FlowMeter, LinearTransducer
 from forest_description.machine import Machine
+from forest_description.sensors.sensor_kinds import FlowMeter, LinearTransducer
 from forest_ident.measurements.session import Session
 from forest_ident.output_error.fit_problem import Channel
 from forest_ident.output_error.prediction import rest

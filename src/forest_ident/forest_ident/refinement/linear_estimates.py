@@ -4,8 +4,8 @@ import math
 
 import numpy as np
 
-from forest_description.components.sensors import FlowMeter
 from forest_description.machine import Machine
+from forest_description.sensors.sensor_kinds import FlowMeter
 from forest_description.types import AXES
 from forest_ident.estimators import (
     damping,

@@ -9,8 +9,8 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import Any
 
-from forest_description.components.hose import GeometricHose, MeasuredHose
 from forest_description.export import machine_yaml
+from forest_description.hydraulics.hose import GeometricHose, MeasuredHose
 from forest_description.machine import Machine, load_machine
 from forest_description.types import AXES
 from forest_ident.estimators.parameter_estimate import NORMAL_95, Estimate, unit_of

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from forest_description.components.hose import MeasuredHose
+from forest_description.hydraulics.hose import MeasuredHose
 from forest_description.machine import Machine
 from forest_description.types import AXES, Floats
 from forest_ident.estimators import (

@@ -25,9 +25,9 @@ from typing import NamedTuple
 import numpy as np
 import scipy
 
-from forest_description.components.drives import Friction
-from forest_description.components.load import Pendulum
 from forest_description.machine import Machine
+from forest_description.mechanics.drives import Friction
+from forest_description.mechanics.load import Pendulum
 from forest_description.types import AXES, Bools
 from forest_ident.driving import simulated_experiment
 from forest_ident.experiments import experiment_plan

@@ -269,6 +269,13 @@ GROUND_TRUTH_COMPENSATORS = Topic(
     "machine file has any.",
     publishers=("simulator with compensated valves",), subscribers=_NOBODY,
 )
+GROUND_TRUTH_TIP_OVER = Topic(
+    name="ground_truth/tip_over", type=FLOAT_ARRAY, labels=("ahead", "left", "behind", "right"),
+    units=("1",) * 4, rate_hz=_RATE,
+    doc="Margins against tipping over the lines of wheels or legs, 0 where the others lift, by the weights "
+    "alone; only where the machine file has a chassis.",
+    publishers=("simulator with a chassis",), subscribers=_NOBODY,
+)
 VIEWER_JOINT_STATES = Topic(
     name="viewer/joint_states", type=JOINT_STATE, labels=(*JOINTS, *CYLINDER_JOINTS, *HEAD_JOINTS),
     units=(*("rad, rad/s, N·m",) * 4, "m, m/s, N", "rad, rad/s, N·m", "m, m/s, N", *("rad, rad/s, N·m",) * 2),

@@ -12,14 +12,14 @@ from typing import Any
 
 import numpy as np
 
-from forest_description.components.pump import (
+from forest_description.geometry.kinematics import tip_position
+from forest_description.hydraulics.pump import (
     ConstantFlowPump,
     IdealPump,
     LoadSensingPump,
     PressureCompensatedPump,
     Pump,
 )
-from forest_description.geometry.kinematics import tip_position
 from forest_description.machine import Machine, load_machine
 from forest_description.types import AXES, Floats, Vec3
 from forest_sim.analysis.run_summary import Summary

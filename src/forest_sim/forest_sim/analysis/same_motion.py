@@ -18,7 +18,7 @@ import math
 
 import numpy as np
 
-from forest_description.components.valve_characteristic import (
+from forest_description.hydraulics.valve_characteristic import (
     ValveLaw,
     opening_at,
     stroke,

@@ -4,13 +4,13 @@ import math
 from functools import lru_cache
 from typing import Any, NamedTuple
 
-from forest_description.components.drives import CylinderDrive
-from forest_description.components.end_stops import EndStops
-from forest_description.components.hose import Line
-from forest_description.components.valve_characteristic import ValveLaw
 from forest_description.derived.limits import joint_limits
 from forest_description.geometry.linkage import Linkage
+from forest_description.hydraulics.hose import Line
+from forest_description.hydraulics.valve_characteristic import ValveLaw
 from forest_description.machine import Machine
+from forest_description.mechanics.drives import CylinderDrive
+from forest_description.mechanics.end_stops import EndStops
 from forest_description.types import Vec3
 from forest_sim.equations.elastic_links import RIGID_LINKS, ElasticLaws
 from forest_sim.hydraulics.actuator import Actuator, cylinder, motor

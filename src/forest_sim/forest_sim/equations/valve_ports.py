@@ -8,7 +8,7 @@ case); a negative one the reverse. Spools, poppets, compensators and the tank li
 import math
 from typing import NamedTuple
 
-from forest_description.components.valve_characteristic import ValveLaw, edges, leakage_at
+from forest_description.hydraulics.valve_characteristic import ValveLaw, edges, leakage_at
 from forest_sim.equations.plant_parameters import PlantParameters, SpoolValve
 from forest_sim.hydraulics.compensator import NONE, in_series
 from forest_sim.hydraulics.load_holding import NO_LIFTS, SEATED_LIFTS, AllLifts, Lifts

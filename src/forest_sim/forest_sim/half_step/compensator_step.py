@@ -10,7 +10,7 @@ the pump's margin.
 import math
 from typing import NamedTuple
 
-from forest_description.components.valve_characteristic import edges
+from forest_description.hydraulics.valve_characteristic import edges
 from forest_description.types import Vec3
 from forest_sim.equations.plant import AxisState, PlantState
 from forest_sim.equations.plant_parameters import Axis, PlantParameters, SpoolValve

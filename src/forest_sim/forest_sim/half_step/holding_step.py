@@ -9,7 +9,7 @@ a word in the stages' equations. It is stable as long as a poppet is slower than
 
 import math
 
-from forest_description.components.valve_characteristic import ValveLaw
+from forest_description.hydraulics.valve_characteristic import ValveLaw
 from forest_sim.equations.plant import AxisState, PlantState
 from forest_sim.equations.plant_parameters import Axis, PlantParameters
 from forest_sim.equations.valve_ports import valve_ports

@@ -8,7 +8,7 @@ control follows the mean of the greatest load.
 
 import math
 
-from forest_description.components.valve_characteristic import SHUT, Direction
+from forest_description.hydraulics.valve_characteristic import SHUT, Direction
 from forest_description.types import Vec3
 from forest_sim.equations.plant_parameters import PlantParameters, SpoolValve
 from forest_sim.equations.valve_ports import Ports

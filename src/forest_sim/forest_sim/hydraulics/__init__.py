@@ -13,5 +13,5 @@ From the voltage to the actuator:
 - `side`: Port, hose and chamber of one side of an axis together.
 - `supply`, `pump_drive`, `tank_line`: The manifold with its pumps, what drives these, the return.
 
-The law from spool position to orifice resistance is `forest_description.components.valve_characteristic`.
+The law from spool position to orifice resistance is `forest_description.hydraulics.valve_characteristic`.
 """

@@ -23,8 +23,8 @@ be under 100 Pa. Port 1 feeds the piston head (extending) or turns the swing lef
 
 from typing import NamedTuple
 
-from forest_description.components.drives import CylinderDrive, SwingDrive
-from forest_description.components.hose import Line
+from forest_description.hydraulics.hose import Line
+from forest_description.mechanics.drives import CylinderDrive, SwingDrive
 
 
 class Actuator(NamedTuple):

@@ -25,7 +25,7 @@ the balance of the compensator's spool; its flow forces are in the control range
 import math
 from typing import NamedTuple
 
-from forest_description.components import compensator as components
+from forest_description.hydraulics import compensator as parameters
 
 NONE, BEFORE, AFTER = 0, 1, 2
 """Sorts of compensator."""
@@ -47,12 +47,12 @@ class Compensator(NamedTuple):
 NO_COMPENSATOR = Compensator(NONE, 0.0, 1.0, 0.0, 1.0)
 
 
-def compensator(given: components.Compensator | None) -> Compensator:
+def compensator(given: parameters.Compensator | None) -> Compensator:
     """Return the kernel's constants of a compensator."""
     if given is None:
         return NO_COMPENSATOR
     return Compensator(
-        sort=BEFORE if isinstance(given, components.CompensatorBeforeSpool) else AFTER,
+        sort=BEFORE if isinstance(given, parameters.CompensatorBeforeSpool) else AFTER,
         setting=given.setting,
         control_range=given.control_range,
         resistance=given.minimum_resistance,

@@ -23,7 +23,7 @@ sign, small beside a pilot-operated spool's own.
 import math
 from typing import NamedTuple
 
-from forest_description.components.valve_parameters import JET_ANGLE
+from forest_description.hydraulics.valve_parameters import JET_ANGLE
 from forest_sim.hydraulics.port import Port, edge_flows, is_shut, port_pressure
 
 

@@ -21,7 +21,7 @@ other way: its callers pass -Q_2 and -q_2.
 import math
 from typing import NamedTuple
 
-from forest_description.components.hose import Line
+from forest_description.hydraulics.hose import Line
 from forest_sim.hydraulics.port import (
     Port,
     apply_load_check,

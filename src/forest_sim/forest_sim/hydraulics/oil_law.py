@@ -26,7 +26,7 @@ pressure with half a percent of it.
 import math
 from typing import NamedTuple
 
-from forest_description.components.oil import Oil
+from forest_description.hydraulics.oil import Oil
 
 
 class OilLaw(NamedTuple):

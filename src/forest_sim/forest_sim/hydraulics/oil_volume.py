@@ -26,7 +26,7 @@ the volume's pressure, which no vacuum is below. The source is Merritt, Hydrauli
 
 from typing import NamedTuple
 
-from forest_description.components.hose import Line
+from forest_description.hydraulics.hose import Line
 from forest_sim.hydraulics.oil_law import INCOMPRESSIBLE, OilLaw, density, enthalpy, held_above_vapour
 
 SETTLED = 1e-9  # of the oil in a volume, from which Newton's next step is its last: it squares that

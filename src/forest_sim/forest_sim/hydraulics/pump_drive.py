@@ -25,7 +25,7 @@ stays at rest: nobody starts it again. At rest it delivers nothing.
 import math
 from typing import NamedTuple
 
-from forest_description.components.pump import LoadSensingPump, PressureCompensatedPump, Pump
+from forest_description.hydraulics.pump import LoadSensingPump, PressureCompensatedPump, Pump
 
 
 class PumpDrive(NamedTuple):

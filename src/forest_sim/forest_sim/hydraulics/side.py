@@ -5,7 +5,7 @@ Flows count from the valve towards the actuator, on both sides.
 
 from typing import NamedTuple
 
-from forest_description.components.hose import Line
+from forest_description.hydraulics.hose import Line
 from forest_sim.hydraulics.hydraulic_line import PortGuard, flow_rate, guard_flow, pressure_rate
 from forest_sim.hydraulics.load_holding import UNRESTRICTED, Restriction, holding_drop, is_held
 from forest_sim.hydraulics.oil_law import density, enthalpy

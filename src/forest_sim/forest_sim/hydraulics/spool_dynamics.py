@@ -27,7 +27,7 @@ of a ramp and the lag in turn, joined where the law changes.
 import math
 from typing import NamedTuple
 
-from forest_description.components.valve_parameters import Valve
+from forest_description.hydraulics.valve_parameters import Valve
 from forest_sim.hydraulics.flow_force import jet_factor
 
 

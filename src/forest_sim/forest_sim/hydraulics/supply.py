@@ -19,7 +19,7 @@ pump has none of this: P_s stands still.
 import math
 from typing import NamedTuple
 
-from forest_description.components.pump import (
+from forest_description.hydraulics.pump import (
     ConstantFlowPump,
     IdealPump,
     LoadSensingPump,

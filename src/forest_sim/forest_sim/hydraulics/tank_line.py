@@ -18,7 +18,7 @@ valve have lines of their own.
 import math
 from typing import NamedTuple
 
-from forest_description.components.tank_line import TankLine
+from forest_description.hydraulics.tank_line import TankLine
 
 
 class ReturnLine(NamedTuple):

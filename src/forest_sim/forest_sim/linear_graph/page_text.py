@@ -68,7 +68,7 @@ This opens the boom's valve of `c180_thesis` to 4 V. The piston's speed rises to
 ```python
 import numpy as np
 
-from forest_description.components.valve_characteristic import edges
+from forest_description.hydraulics.valve_characteristic import edges
 from forest_description.machine import load_machine
 from forest_sim.linear_graph.actuation_graphs import cylinder
 from forest_sim.linear_graph.actuation_parameters import actuation_parameters

@@ -26,7 +26,7 @@ bearing holds a crane on a slope.
 
 from typing import NamedTuple
 
-from forest_description.components import drives
+from forest_description.mechanics import drives
 
 
 class Bristles(NamedTuple):

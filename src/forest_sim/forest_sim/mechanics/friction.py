@@ -21,7 +21,7 @@ under a load the piston creeps at a small share of u_0 instead of sticking.
 import math
 from typing import NamedTuple
 
-from forest_description.components import drives
+from forest_description.mechanics import drives
 
 
 class Friction(NamedTuple):

@@ -21,8 +21,8 @@ pivot; a tilt of the platform turns it about its x axis, so that gravity pulls a
 import math
 from typing import NamedTuple
 
-from forest_description.components.manipulator import Manipulator
 from forest_description.derived.bodies import boom_body, stick_body
+from forest_description.mechanics.manipulator import Manipulator
 from forest_description.types import Vec3
 
 Pair = tuple[float, float]

@@ -31,8 +31,8 @@ what the plant needs in that of `translate`.
 import math
 from typing import NamedTuple
 
-from forest_description.components.manipulator import Manipulator
 from forest_description.derived.bodies import hanging_body
+from forest_description.mechanics.manipulator import Manipulator
 from forest_description.types import Vec3
 from forest_sim.mechanics.manipulator import Body, Pair
 

@@ -12,8 +12,8 @@ import math
 from collections.abc import Sequence
 from typing import NamedTuple
 
-from forest_description.components.pump import IdealPump
 from forest_description.geometry.kinematics import Links, tip_position, tip_velocity
+from forest_description.hydraulics.pump import IdealPump
 from forest_description.machine import Machine
 from forest_description.types import Vec3
 from forest_sim.equations.plant import (

@@ -16,10 +16,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from forest_description.components.drives import CylinderDrive
-from forest_description.components.sensor_calibration import Unit, line_of
-from forest_description.components.sensors import FlowMeter, LinearTransducer
 from forest_description.machine import Machine
+from forest_description.mechanics.drives import CylinderDrive
+from forest_description.sensors.sensor_calibration import Unit, line_of
+from forest_description.sensors.sensor_kinds import FlowMeter, LinearTransducer
 from forest_description.types import AXES
 from forest_sim.sensors.sensor_model import ABSENT, EXACT, SensorModel
 

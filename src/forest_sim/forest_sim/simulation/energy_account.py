@@ -28,7 +28,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from forest_description.components.hose import Line
+from forest_description.hydraulics.hose import Line
 from forest_description.types import AXES, Floats
 from forest_sim.equations.drive import drive_energy
 from forest_sim.equations.elastic_links import bending_energy

@@ -119,6 +119,8 @@ def further_topics(machine: Machine, has_loads: bool) -> FurtherTopics:
         found[topics.GROUND_TRUTH_TANK_LINE] = lambda running: running.tank_line
     if any(machine.valve_of(axis).compensator is not None for axis in range(3)):
         found[topics.GROUND_TRUTH_COMPENSATORS] = lambda running: running.compensators
+    if machine.chassis is not None:
+        found[topics.GROUND_TRUTH_TIP_OVER] = lambda running: running.tip_over
     return found
 
 

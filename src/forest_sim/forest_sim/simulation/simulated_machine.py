@@ -6,6 +6,7 @@ What the simulator node wraps. Faults, load and the force on the tip may change 
 import math
 
 from forest_description.derived.passive_joints import head_joint_positions
+from forest_description.derived.tip_over import Margins, tip_over_margins
 from forest_description.machine import Machine
 from forest_description.types import Vec3
 from forest_sim.sensors import sensor_readings
@@ -94,6 +95,14 @@ class SimulatedMachine:
     def compensators(self) -> Vec3:
         """Openings of the valves' pressure compensators [1]; NaN for a valve without one."""
         return sensor_readings.compensators(self._simulation, self._plant.p)
+
+    @property
+    def tip_over(self) -> Margins:
+        """How far a vehicle is from tipping over; of a machine with a chassis [1]."""
+        assert self.machine.chassis is not None
+        plant, m = self._simulation.plant, self.machine.manipulator
+        angles = plant.swing.angle, plant.boom.angle, plant.stick.angle
+        return tip_over_margins(self.machine.chassis, m, angles, self.load.mass)
 
     @property
     def at_rest(self) -> Report:

@@ -19,8 +19,8 @@ alone. The thesis has no temperature.
 import math
 from collections.abc import Callable
 
-from forest_description.components.oil import COLDEST, HOTTEST, Oil
 from forest_description.derived.temperature import at_temperature
+from forest_description.hydraulics.oil import COLDEST, HOTTEST, Oil
 from forest_description.machine import Machine
 from forest_sim.equations.plant_parameters import PlantParameters, parameters_of
 from forest_sim.solver.integrator import Simulation

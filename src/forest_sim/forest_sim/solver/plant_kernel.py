@@ -10,7 +10,7 @@ from functools import lru_cache
 from forest_compile import flat_layout
 from forest_compile.entry import Entry
 from forest_compile.kernel_cache import CachedKernel
-from forest_description.components import valve_characteristic
+from forest_description.hydraulics import valve_characteristic
 from forest_description.machine import load_machine
 from forest_description.types import AXES
 from forest_sim.equations import plant

@@ -7,7 +7,7 @@ is lost.
 
 from typing import NamedTuple
 
-from forest_description.components.hose import Line
+from forest_description.hydraulics.hose import Line
 from forest_sim.equations.plant import AxisState, Transmission, passive_force
 from forest_sim.equations.plant_parameters import Axis
 from forest_sim.equations.valve_ports import Ports

@@ -7,7 +7,7 @@ moved until it is within `TOLERANCE`. A shut valve is an infinite inertance at r
 
 import math
 
-from forest_description.components.hose import Line
+from forest_description.hydraulics.hose import Line
 from forest_sim.hydraulics.hydraulic_line import LineSolution
 from forest_sim.hydraulics.load_holding import Restriction
 from forest_sim.hydraulics.oil_volume import StageHose

@@ -7,8 +7,8 @@ import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 
 from forest_control.operator.levers import REST, Levers, levers_for_tip_velocity
-from forest_description.components.valve_parameters import BackwardValve
 from forest_description.derived.limits import joint_limits
+from forest_description.hydraulics.valve_parameters import BackwardValve
 from forest_description.machine import Machine
 from forest_description.types import AXES, Floats, Vec3
 from forest_ident.measurements.parameter_path import with_part

@@ -25,16 +25,16 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from forest_description.components.drives import Backlash
-from forest_description.components.elasticity import Elasticity
-from forest_description.components.hose import MeasuredHose
-from forest_description.components.load import RotatorAndGrapple
-from forest_description.components.oil import Oil
-from forest_description.components.valve_characteristic import Direction
-from forest_description.components.valve_parameters import Valve
 from forest_description.config.parameter import MachineError
 from forest_description.derived.temperature import at_temperature
+from forest_description.hydraulics.hose import MeasuredHose
+from forest_description.hydraulics.oil import Oil
+from forest_description.hydraulics.valve_characteristic import Direction
+from forest_description.hydraulics.valve_parameters import Valve
 from forest_description.machine import Machine
+from forest_description.mechanics.drives import Backlash
+from forest_description.mechanics.elasticity import Elasticity
+from forest_description.mechanics.load import RotatorAndGrapple
 from forest_description.types import Vec3
 from forest_sim.equations.plant_parameters import PlantParameters, SpoolValve, parameters_of
 

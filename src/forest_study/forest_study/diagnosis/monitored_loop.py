@@ -22,8 +22,8 @@ from forest_control.operator.levers import Levers
 from forest_control.valve import valve_driver_parameters
 from forest_control.valve.valve_adaptation import DirectionEstimate, deadband_spread, gain, gain_spread
 from forest_control.valve.valve_driver import State as DriverState
-from forest_description.components.valve_characteristic import Direction, ValveLaw
 from forest_description.geometry.kinematics import tip_position
+from forest_description.hydraulics.valve_characteristic import Direction, ValveLaw
 from forest_description.machine import load_machine
 from forest_description.types import Floats, Vec3
 from forest_ident.diagnosis import limits, machine_numbers, monitor, readings, residuals, sensor_watch

@@ -11,7 +11,6 @@ In the order in which data passes:
 - `taught`: The task as a taught cycle that is played.
 - `trial`: The task done once.
 - `clearance`: How near crane and log come to ground, bunk and stakes; contacts.
-- `stability`: How far the vehicle is from tipping over.
 - `measures`: The figures of a trial.
 
 May import: `closed_loop`, `tracking`, `results`.

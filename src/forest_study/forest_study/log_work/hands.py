@@ -32,7 +32,7 @@ CRANE_LAG = 0.15  # [s] of valves and oil, which every operator knows of a machi
 JITTER = 0.3  # [s] correlation time of a deflection's jitter: a correction takes as long; assumed
 LEAST_GAIN_DELAY = 0.05  # [s] below which no delay counts
 WORST = 0.6  # [1] of E: beyond, a lever might be pushed the wrong way for good
-NONE = 0.02  # [1] of a deflection that the hand leaves out: a lever's play
+NONE = 0.02  # [1] of a deflection that does nothing, and that the hand leaves out: a lever's play
 
 
 class Hands:
@@ -84,7 +84,7 @@ class Hands:
         greatest = float(np.abs(wanted).max())
         if greatest > self._person.boldness:
             wanted *= self._person.boldness / greatest
-        return self._pushed(np.where(np.abs(wanted) < NONE, 0.0, wanted))
+        return self._pushed(_beyond_play(wanted))
 
     def _attend(self, left: Floats, time: float) -> None:
         """Choose the levers to be served, the longest time first."""
@@ -105,3 +105,12 @@ class Hands:
         self._under_way.append(self._lever)
         said = np.clip(self._lever, -1.0, 1.0).tolist()
         return Levers(*said) if any(said) else REST
+
+
+def _beyond_play(wanted: Floats) -> Floats:
+    """Return deflections without those within the lever's play; of these alone the greatest leaves it."""
+    pushed = np.where(np.abs(wanted) < NONE, 0.0, wanted)
+    if not pushed.any() and wanted.any():
+        most = int(np.argmax(np.abs(wanted)))
+        pushed[most] = math.copysign(NONE, wanted[most])
+    return pushed

@@ -10,13 +10,14 @@
 | `energy`, `fuel` | the engine's work, kJ; the diesel oil for it, mL |
 | `sway`, `sway_max` | angle of what hangs from the vertical, RMS and greatest, deg |
 | `contacts` | of crane and log with stakes, ground and floor |
-| `tip_over` | the least static margin |
+| `tip_over` | the least margin, see `forest_description.derived.tip_over` |
 """
 
 import numpy as np
 
+from forest_description.derived.tip_over import tip_over_margins
 from forest_description.types import Floats
-from forest_study.log_work import clearance, stability
+from forest_study.log_work import clearance
 from forest_study.log_work.task import ACROSS, DOWN, HOLD, PHASES, UP, shortest
 from forest_study.log_work.work import LOOK_TIME, Work
 
@@ -44,7 +45,10 @@ def figures(work: Work) -> dict[str, float]:
         "sway": float(np.sqrt(np.mean(sway**2))),
         "sway_max": float(sway.max()),
         "contacts": float(clearance.contacts(m, site, work.angles, work.head, work.loaded)),
-        "tip_over": float(stability.margin(m, site, work.angles, work.loaded * site.log_mass).min()),
+        "tip_over": min(
+            min(tip_over_margins(site.chassis, m, angles, loaded * site.log_mass))
+            for angles, loaded in zip(work.angles, work.loaded, strict=True)
+        ),
     }
 
 

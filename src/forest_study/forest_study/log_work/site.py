@@ -7,12 +7,14 @@ Frame as in `kinematics`: origin on the swing axis at the height of the boom's p
 z up.
 """
 
+import dataclasses
 import math
 from typing import NamedTuple
 
 from forest_description.derived.bodies import with_log
 from forest_description.derived.limits import pose_at, workspace_limits
 from forest_description.machine import Machine
+from forest_description.mechanics.chassis import Chassis
 from forest_description.types import Vec3
 from forest_study.results import StudyError
 
@@ -23,8 +25,7 @@ STAKES = 1.2  # [m] height of the stakes above the floor
 STAKE_ROWS = (3.8, 6.6)  # [m] ahead of the swing axis
 HALF_WIDTH = 1.25  # [m] of the bunk, to the stakes' middle
 STAKE_RADIUS = 0.06  # [m]
-HALF_TRACK = 1.35  # [m] from the middle to a wheel line
-CHASSIS = 15000.0  # [kg] without the crane, the bunk empty
+VEHICLE = Chassis(15000.0, 0.5, 1.2, PIVOT, 4.5, 2.5, 1.35)  # under a machine whose file tells none
 LOG_MASS, LOG_LENGTH, LOG_RADIUS = 150.0, 4.0, 0.12  # [kg], [m], [m]: spruce of 0.83 t/m3, fresh
 CLEAR = 0.3  # [m] between a carried log and the stakes' ends, as the task's ways have it
 NEAR = 0.15  # [m] from a log's middle at which the grapple takes it; and of a place at which it is laid
@@ -42,8 +43,7 @@ class Site(NamedTuple):
     stake_top: float  # z
     stakes: tuple[Vec3, ...]  # their feet, at the floor
     stake_radius: float
-    half_track: float
-    chassis: float  # [kg]
+    chassis: Chassis
     log_mass: float  # [kg]
     log_length: float
     log_radius: float
@@ -76,8 +76,7 @@ def site_of(machine: Machine) -> Site:
         stake_top=floor + STAKES * s,
         stakes=tuple((x * s, side * HALF_WIDTH * s, floor) for x in STAKE_ROWS for side in (1.0, -1.0)),
         stake_radius=STAKE_RADIUS * s,
-        half_track=HALF_TRACK * s,
-        chassis=CHASSIS * s**3,
+        chassis=machine.chassis or _chassis(s),
         log_mass=LOG_MASS * s**3,
         log_length=LOG_LENGTH * s,
         log_radius=radius,
@@ -88,6 +87,12 @@ def site_of(machine: Machine) -> Site:
     )
     _require_reach(machine, site)
     return site
+
+
+def _chassis(s: float) -> Chassis:
+    """Return the usual vehicle under a crane of a scale."""
+    scaled = {name: s * size for name, size in dataclasses.asdict(VEHICLE).items()}
+    return Chassis(**scaled | {"mass": s**3 * VEHICLE.mass})
 
 
 def _require_reach(machine: Machine, site: Site) -> None:

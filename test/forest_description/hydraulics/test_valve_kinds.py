@@ -6,14 +6,14 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from forest_description.components.valve_characteristic import CURVE_SIZE, edges, voltage_for_opening
-from forest_description.components.valve_parameters import (
+from forest_description.config.parameter import MachineError
+from forest_description.hydraulics.valve_characteristic import CURVE_SIZE, edges, voltage_for_opening
+from forest_description.hydraulics.valve_parameters import (
     BackwardValve,
     FlowCurve,
     PolynomialCurve,
     TableCurve,
 )
-from forest_description.config.parameter import MachineError
 from forest_description.machine import load_machine
 
 VALVE = load_machine("c180_hoses").valve

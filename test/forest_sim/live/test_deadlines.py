@@ -2,7 +2,7 @@
 
 import pytest
 
-from forest_sim.simulation.deadlines import CATCH_UP, Deadlines
+from forest_sim.live.deadlines import CATCH_UP, Deadlines
 
 PERIOD = 5_000_000
 

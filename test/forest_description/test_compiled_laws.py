@@ -6,10 +6,10 @@ import types
 
 import pytest
 
-from forest_description.components import valve_characteristic
-from forest_description.components.valve_parameters import PolynomialCurve, TableCurve
 from forest_description.derived import actuator_kinematics
 from forest_description.geometry import kinematics, linkage
+from forest_description.hydraulics import valve_characteristic
+from forest_description.hydraulics.valve_parameters import PolynomialCurve, TableCurve
 from forest_description.machine import load_machine
 
 numba = pytest.importorskip("numba")

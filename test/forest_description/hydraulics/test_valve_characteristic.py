@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from forest_description.components.valve_characteristic import (
+from forest_description.hydraulics.valve_characteristic import (
     edges,
     opening_at,
     stroke,

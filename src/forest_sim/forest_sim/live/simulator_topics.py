@@ -14,9 +14,9 @@ from forest_msgs_py.safety.emergency_stop import EmergencyStop
 from forest_msgs_py.safety.input_status import InputStatus
 from forest_msgs_py.safety.single_talker import SingleTalker
 from forest_msgs_py.serialization.unpacking import ArrayReader
+from forest_sim.live.voltage_command import VoltageInput
 from forest_sim.simulation.sensor_log import SIMULATED_TOPICS, FurtherTopics, TopicValues
 from forest_sim.simulation.simulated_machine import SimulatedMachine
-from forest_sim.simulation.voltage_command import VoltageInput
 
 PART, STOP = "voltages", "emergency stop"  # on /diagnostics
 FRAME = "base_link"

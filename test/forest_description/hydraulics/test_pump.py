@@ -4,13 +4,13 @@ from dataclasses import fields, replace
 
 import pytest
 
-from forest_description.components.pump import (
+from forest_description.config.parameter import MachineError
+from forest_description.hydraulics.pump import (
     ConstantFlowPump,
     IdealPump,
     LoadSensingPump,
     PressureCompensatedPump,
 )
-from forest_description.config.parameter import MachineError
 from forest_description.machine import load_machine
 
 PUMP = load_machine("c180_hoses").pump

@@ -1,7 +1,7 @@
 """Claims about the valves' input: a bad, late or overtaken command centres the valves."""
 
 from forest_description.types import ZERO
-from forest_sim.simulation.voltage_command import VoltageInput
+from forest_sim.live.voltage_command import VoltageInput
 
 TIMEOUT = 0.2
 VOLTS = (4.0, -4.0, 2.0)

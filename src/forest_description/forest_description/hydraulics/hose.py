@@ -14,8 +14,8 @@ import math
 from dataclasses import dataclass
 from typing import ClassVar, NamedTuple
 
-from forest_description.components.oil import Oil
 from forest_description.config.parameter import ParameterSet, parameter
+from forest_description.hydraulics.oil import Oil
 
 BLASIUS = 0.3164 * 8.0 / math.pi**2 * (math.pi / 4.0) ** 0.25
 """α of Thesis eq. 4.3, 0.2414: Blasius' friction factor 0.3164 Re^-1/4 of a smooth pipe, written with Q."""

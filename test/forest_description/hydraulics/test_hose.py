@@ -6,8 +6,8 @@ import math
 import numpy as np
 import pytest
 
-from forest_description.components.hose import BLASIUS, GeometricHose, bore_area
 from forest_description.config.parameter import MachineError
+from forest_description.hydraulics.hose import BLASIUS, GeometricHose, bore_area
 from forest_description.machine import load_machine
 
 MACHINE = load_machine("c180_hoses")

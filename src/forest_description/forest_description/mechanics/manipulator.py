@@ -2,10 +2,10 @@
 
 from dataclasses import dataclass
 
-from forest_description.components.inertia import require_rigid
-from forest_description.components.load import Log, Pendulum, RotatorAndGrapple
 from forest_description.config.parameter import MachineError, ParameterSet, choice, parameter
 from forest_description.geometry.kinematics import Links
+from forest_description.mechanics.inertia import require_rigid
+from forest_description.mechanics.load import Log, Pendulum, RotatorAndGrapple
 
 
 @dataclass(frozen=True)

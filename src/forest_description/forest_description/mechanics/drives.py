@@ -2,10 +2,6 @@
 
 from dataclasses import dataclass
 
-from forest_description.components.elasticity import Elasticity
-from forest_description.components.hose import Hose
-from forest_description.components.load_holding import LoadHolding
-from forest_description.components.valve_parameters import Valve
 from forest_description.config.parameter import (
     MachineError,
     ParameterSet,
@@ -16,6 +12,10 @@ from forest_description.config.parameter import (
     require_order,
 )
 from forest_description.geometry.linkage import Linkage, joint_angle
+from forest_description.hydraulics.hose import Hose
+from forest_description.hydraulics.load_holding import LoadHolding
+from forest_description.hydraulics.valve_parameters import Valve
+from forest_description.mechanics.elasticity import Elasticity
 
 LONGEST_STUCK = 0.01  # [rad] that a bearing gives way before it slides; rolling bearings give under 1e-3
 

@@ -6,17 +6,6 @@ from typing import Any, ClassVar, cast
 
 import numpy as np
 
-from forest_description.components.compensator import Compensator
-from forest_description.components.valve_characteristic import (
-    CURVE_SIZE,
-    LINEAR_AREA,
-    POLYNOMIAL,
-    TABLE,
-    Curve,
-    Direction,
-    Knots,
-    ValveLaw,
-)
 from forest_description.config.parameter import (
     MachineError,
     ParameterSet,
@@ -26,6 +15,17 @@ from forest_description.config.parameter import (
     optional_parameter,
     parameter,
     require_order,
+)
+from forest_description.hydraulics.compensator import Compensator
+from forest_description.hydraulics.valve_characteristic import (
+    CURVE_SIZE,
+    LINEAR_AREA,
+    POLYNOMIAL,
+    TABLE,
+    Curve,
+    Direction,
+    Knots,
+    ValveLaw,
 )
 from forest_description.types import Floats
 

@@ -4,9 +4,9 @@ import dataclasses
 
 import pytest
 
-from forest_description.components.load import Log, Pendulum
 from forest_description.config.parameter import MachineError
 from forest_description.machine import load_machine
+from forest_description.mechanics.load import Log, Pendulum
 
 MANIPULATOR = load_machine("c180_hoses").manipulator
 HANGING = dataclasses.replace(MANIPULATOR, pendulum=Pendulum(0.9, 60.0, 250.0))

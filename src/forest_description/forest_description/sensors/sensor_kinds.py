@@ -13,8 +13,8 @@ counts as zero.
 
 from dataclasses import dataclass
 
-from forest_description.components.sensor_calibration import Calibration
 from forest_description.config.parameter import ParameterSet, parameter, require_order
+from forest_description.sensors.sensor_calibration import Calibration
 
 
 @dataclass(frozen=True)

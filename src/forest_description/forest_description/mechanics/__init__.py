@@ -1,0 +1,1 @@
+"""What the oil moves: actuators with gear and friction, links that bend, end stops, head and load."""

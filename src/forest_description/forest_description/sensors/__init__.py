@@ -1,0 +1,1 @@
+"""What is measured: the sensors by kind, and what their calibration found."""
