@@ -39,6 +39,8 @@ class Hands extends EventTarget {
     station.on("pong", ({ number }) => this.#measure(number));
     station.on("close", () => this.#disconnect());
     setInterval(() => this.update(), PERIOD_MS);
+    this.clock = new Worker("/web/hands/clock.js"); // for a touch holds back the page's own timers
+    this.clock.onmessage = () => this.update();
   }
 
   // Holds the deadman, or lets it go, on behalf of a control of the page.
