@@ -283,6 +283,43 @@ def test_one_click_stops_and_a_refused_reset_tells_why(met: PageStandIn) -> None
     met.page.wait_for_selector("#emergency_stop button:disabled:text-is('Reset: take the seat')")
 
 
+def test_a_reset_waits_until_the_deadman_is_let_go(met: PageStandIn) -> None:
+    met.page.keyboard.down("Shift")
+    wait(met, lambda hands: hands.held)
+    met.page.keyboard.press("Space")
+    wait(met, lambda hands: not hands.held)
+    met.tell("emergency_stop", active=True, sources=[{"name": "controller", "state": "stopped"}])
+    reset = met.page.get_by_role("button", name="Reset")
+    reset.click()
+    met.page.wait_for_selector("text=Not reset: let go of the deadman first.")
+    met.page.keyboard.up("Shift")
+    reset.click()
+    met.page.wait_for_selector("text=Not reset", state="hidden")
+    assert [request["do"] for request in met.asked] == ["emergency_stop", "reset_emergency_stop"]
+
+
+def test_a_key_without_the_deadman_says_what_is_missing(met: PageStandIn) -> None:
+    missing = "Nothing moves without the deadman: let go of sticks and keys, then hold the left Shift key."
+    met.page.keyboard.down("w")
+    met.page.clock.run_for(400)
+    met.page.wait_for_selector(f"text={missing}")
+    met.page.keyboard.up("w")
+    met.page.clock.run_for(400)
+    met.page.wait_for_selector(f"text={missing}", state="hidden")
+
+
+def test_a_recording_is_marked_once_the_recorder_hears(met: PageStandIn) -> None:
+    mark = met.page.get_by_role("button", name="Mark", exact=True)
+    told = {"active": True, "name": "mine", "seconds": 3, "bytes": 0, "text": "The recorder starts."}
+    for hears in (False, True):
+        met.tell("recording", **told, hears=hears)
+        met.page.wait_for_selector(
+            "#recording .state:text('not hear')", state="hidden" if hears else "visible"
+        )
+        assert mark.is_visible() == hears
+    met.tell("recording", **told | {"active": False}, hears=True)
+
+
 def test_a_stop_lets_go_and_says_so_when_nobody_confirms_it(met: PageStandIn) -> None:
     met.page.keyboard.down("Shift")
     wait(met, lambda hands: hands.held)

@@ -7,12 +7,14 @@ import pytest
 from page_stand_in import Js
 
 from forest_control.config.profile_file import shipped
+from forest_control.limits.velocity_scaling import Limit
 from forest_control.operator import joystick_watch
 from forest_control.operator.levers import AXIS_COUNT, BUTTON_COUNT, LEFT_SHOULDER
 from forest_control.operator.operator_profile import Frame, Mode
 from forest_control.safety import motion_guard
 from forest_control.servo.schemes import Scheme
 from forest_control.valve import command_gate
+from forest_description.types import AXES
 from forest_msgs_py.interfaces.topics import JOY_AXES, JOY_BUTTONS
 from forest_station.operator.hands import Hands, decode_hands, encode_hands
 
@@ -142,12 +144,52 @@ def test_without_a_connection_the_page_says_where_to_look(js: Js) -> None:
 
 
 def test_a_limit_that_lets_nothing_through_is_no_slowing_to_nothing(js: Js) -> None:
-    why = """(m) => {
+    why = """(m, [limit, axis]) => {
       const seat = { you_drive: true, driver: "you", asking: [], deadman: { state: "held" } };
-      return [0, 0.004, 0.28].map((factor) => m.whyText(seat, {}, false, { armed: 1, factor, limit: 2 }));
+      const told = (factor) => m.whyText(seat, {}, false, { armed: 1, factor, limit, axis });
+      return [0, 0.004, 0.28].map(told);
     }"""
-    held = "Held back by the end of a joint."
-    assert js("hands/why.js", why) == [held, held, "Slowed to 28 % by the end of a joint."]
+    held = "Held back by the flow of the pumps."
+    assert js("hands/why.js", why, [Limit.FLOW, ""]) == [
+        held,
+        held,
+        "Slowed to 28 % by the flow of the pumps.",
+    ]
+    held = "Held back: the boom joint is at its limit."
+    told = js("hands/why.js", why, [Limit.JOINT, "boom"])
+    assert told == [held, held, "Slowed to 28 %: the boom joint nears its limit."]
+    assert js("hands/why.js", why, [Limit.JOINT, ""])[0] == "Held back: the joint is at its limit."
+
+
+@pytest.mark.parametrize(
+    ("angles", "rates", "axis"),
+    [
+        ((0.0, 0.95, 0.1), (0.0, 0.0, 0.0), "boom"),
+        ((0.0, 0.95, 0.1), (0.0, -0.1, -0.2), "stick"),  # the boom moves away from its limit
+        ((0.0, 0.9, 0.1), (0.0, 0.1, -0.2), "boom"),
+    ],
+)
+def test_the_joint_at_its_limit_is_the_nearest_one_that_moves_towards_it(
+    js: Js, angles: tuple[float, ...], rates: tuple[float, ...], axis: str
+) -> None:
+    joints = [{"name": name, "limit": [0.0, 1.0], "signal": f"{name}.position"} for name in AXES]
+    joints[0]["limit"] = [-4.0, 4.0]
+    values = {f"{name}.position": angle for name, angle in zip(AXES, angles, strict=True)}
+    values |= {f"joint_states/{name}.velocity": rate for name, rate in zip(AXES, rates, strict=True)}
+    found = "(m, [joints, values]) => m.axisAtLimit(joints, (name) => values[name])"
+    assert js("scene/axes.js", found, [joints, values]) == axis
+
+
+def test_who_pushes_a_stick_without_the_deadman_is_told_what_is_missing(js: Js) -> None:
+    why = """(m, here) => {
+      const deadman = { state: "waiting", text: "What the page sends arrives too late." };
+      return m.whyText({ you_drive: true, driver: "you", asking: [], deadman }, here, false, {});
+    }"""
+    here = {"held": False, "doubted": False, "why": "", "grip": "the left Shift key"}
+    missing = "Nothing moves without the deadman: let go of sticks and keys, then hold the left Shift key."
+    assert js("hands/why.js", why, here | {"deflected": True}) == missing
+    assert js("hands/why.js", why, here | {"deflected": False}).endswith("too late.")
+    assert js("hands/why.js", why, here | {"deflected": True, "held": True}).endswith("too late.")
 
 
 def test_a_standard_gamepad_means_what_game_controller_means(js: Js) -> None:
@@ -391,7 +433,7 @@ def test_troubles_are_told_the_worst_first_and_what_is_well_is_not(js: Js) -> No
 @pytest.mark.parametrize(
     ("told", "said"),
     [
-        ((True, "The recorder starts."), "mine: 00:00:05, 2 kB. The recorder starts."),
+        ((True, "recording to mine"), "mine: 00:00:05, 2 kB. recording to mine"),
         ((True, "0:00:31.7, 3.46 MB, lost 0"), "mine: 0:00:31.7, 3.46 MB, lost 0"),
         ((False, "Nothing is recorded."), "Nothing is recorded."),
         (
@@ -411,5 +453,12 @@ def test_troubles_are_told_the_worst_first_and_what_is_well_is_not(js: Js) -> No
 def test_a_recordings_losses_are_told_once_with_what_they_mean(
     js: Js, told: tuple[bool, str], said: str
 ) -> None:
-    state = {"active": told[0], "name": "mine", "seconds": 5, "bytes": 2000, "text": told[1]}
+    state = {
+        "active": told[0],
+        "hears": told[0],
+        "name": "mine",
+        "seconds": 5,
+        "bytes": 2000,
+        "text": told[1],
+    }
     assert js("panels/recording.js", "(m, state) => m.stateText(state)", state) == said

@@ -111,7 +111,7 @@ class DrivenPage:
             """() => [document.querySelector("#seat .deadman").dataset.state,
                       document.querySelector("#seat .why").textContent]"""
         )
-        if "entre the sticks" in why or "Let go of the deadman" in why:  # it may begin the sentence
+        if "entre the sticks" in why or "et go of" in why:  # it may begin the sentence
             hand.let_go(self.page)
         elif state == "ready":
             hand.let_go(self.page)

@@ -1,4 +1,4 @@
-"""Claims about a node's health: a trouble is told at once and every second, and logged as often."""
+"""Claims about a node's health: a trouble is told at once and every second, and its changes are logged."""
 
 from types import SimpleNamespace
 
@@ -68,14 +68,19 @@ def test_a_trouble_is_told_at_once_and_again_every_second(peer, health):
     assert health.heard[1].header.stamp.nanosec == S // 2
 
 
-def test_a_trouble_is_logged_once_however_often_it_is_noted(health, monkeypatch):
-    monkeypatch.setattr(
-        "forest_msgs_py.safety.diagnostics.time.monotonic", lambda: 1000.0
-    )  # within the same second
+def test_a_trouble_that_stands_is_logged_once_and_one_that_comes_and_goes_now_and_then(health, monkeypatch):
+    now = [1000.0]
+    monkeypatch.setattr("forest_msgs_py.safety.diagnostics.time.monotonic", lambda: now[0])
     for step in range(200):
+        now[0] += 0.1
         health.note("joystick", f"trouble {step}")
-    health.note("pump", "no pressure")
+        health.note("pump", "no pressure")
     assert health.lines == ["standing still: trouble 0", "standing still: no pressure"]
+    for _ in range(12):
+        health.note("pump", "")
+        now[0] += 1.0
+        health.note("pump", "no pressure")
+    assert health.lines[2:] == ["standing still: no pressure"] * 3  # at 1, 6 and 11 s
 
 
 def test_what_is_told_of_a_message_without_end_has_one(peer, health):

@@ -21,10 +21,12 @@ def test_an_event_is_said_once_all_who_hear_it_have_it(
     def say(text):
         return asyncio.run(spoken.say(text))
 
+    assert not spoken.heard()
     assert not say("nobody is there")
     bag = tmp_path / "bag"
     recorder = start_process(["-m", "forest_bag.recorder_node", "--ros-args", "-p", f"output:={bag}"])
-    wait_until(lambda: say("heard"))
+    wait_until(spoken.heard)
+    assert say("heard")
     os.kill(recorder.pid, signal.SIGSTOP)
     with monkeypatch.context() as patch:
         patch.setattr(events, "ARRIVED_S", 0.2)

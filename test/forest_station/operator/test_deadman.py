@@ -73,6 +73,17 @@ def test_a_message_after_a_gap_does_not_go_on():
     assert page.send(False) == State.READY
 
 
+def test_a_server_that_was_late_itself_hears_that_it_was_held_all_the_time():
+    page = Page().press()
+    waited, late = [], page.now + 0.07  # 0.087 s after the last heartbeat
+    for _ in range(4):
+        waited.append(page.message(True))
+        page.now += PERIOD
+    for message in waited:
+        page.deadman = heard_hands(page.deadman, message, late, 0.02)
+    assert page.deadman.state == State.HELD
+
+
 def test_a_burst_that_waited_in_a_buffer_is_no_heartbeat():
     page = Page().press()
     last = page.deadman.heartbeat
@@ -191,7 +202,8 @@ def test_whatever_arrives_it_is_never_held_for_longer_than_the_timeout_after_a_h
                 if after.state == State.HELD:
                     held += 1
                     assert message.held or after.heartbeat == before.heartbeat
-                    assert before.state == State.READY or before.heartbeat + TIMEOUT > at
+                    in_time = before.heartbeat + 2 * TIMEOUT > at  # it was sent within one
+                    assert before.state == State.READY or in_time
                 page.deadman = after
             page.deadman = judged(page.deadman, now)
             assert page.deadman.state != State.HELD or now - page.deadman.heartbeat < TIMEOUT

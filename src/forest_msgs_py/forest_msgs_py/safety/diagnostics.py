@@ -1,9 +1,9 @@
 """What a node says about its inputs and its own state: a throttled warning, and a diagnostic on /diagnostics.
 
 A node notes for each of its parts what is wrong with it, or "" when it is well. The first note of a sort of
-trouble is logged, repetitions at most once a second; /diagnostics gets all parts when one of them changes
-between well and unwell, and once a second, ten times a second at most. Its periods are counted in stamps, so
-that a run repeats.
+trouble is logged, and again if it comes back after `QUIET`; /diagnostics gets all parts when one of them
+changes between well and unwell, and once a second, ten times a second at most. Its periods are counted in
+stamps, so that a run repeats.
 
 ======  ====================================================================================================
 level   meaning
@@ -30,8 +30,8 @@ from forest_msgs_py.runtime.node import publisher
 from forest_msgs_py.types import NS_PER_S
 
 WELL = "well"
-LOG_PERIOD = 1.0  # [s]
-DIGIT, MOST_SORTS = re.compile(r"\d"), 8  # of trouble, logged in a period
+QUIET = 5.0  # [s] after which trouble that comes back is logged again; what stands is not
+DIGIT, MOST_SORTS = re.compile(r"\d"), 8  # of trouble, logged within that time
 LONGEST = 400  # characters of what is wrong: somebody's message may hold a million numbers
 SOONEST_NS = NS_PER_S // 10  # between two diagnostics: what comes and goes with each message costs no more
 PATIENCE_NS = 2 * NS_PER_S  # for which a graph may be starting, before the log says who is waited for
@@ -88,9 +88,9 @@ class Diagnostics:
         if bool(problem) != bool(self._problems[part]):
             self._changed = True
             self._troubles[part] += bool(problem)
-        self._problems[part] = problem
         if problem and self._is_news(part, problem):
             self._node.get_logger().warning(f"{self._consequence}: {problem}")
+        self._problems[part] = problem
 
     def note_all(self, problems: Mapping[str, str]) -> None:
         """Note what is wrong with each of some parts."""
@@ -101,18 +101,21 @@ class Diagnostics:
         """Note what a person should know of a part that works all the same, "" for nothing."""
         if bool(caution) != bool(self._cautions[part]):
             self._changed = True
-        self._cautions[part] = caution
         if caution and self._is_news(part, caution):
             self._node.get_logger().warning(caution)
+        self._cautions[part] = caution
 
     def news(self) -> None:
         """Have `publish` tell soon: what a source or a value says has changed."""
         self._changed = True
 
     def _is_news(self, part: str, problem: str) -> bool:
-        """Tell whether a trouble of this sort, its text up to the first number, was not logged just now."""
-        now, sort = time.monotonic(), (part, DIGIT.split(problem, maxsplit=1)[0])
-        self._logged = {key: when for key, when in self._logged.items() if now - when < LOG_PERIOD}
+        """Tell whether a trouble, not yet noted, is of a sort that neither stands nor was just logged."""
+        now, sort = time.monotonic(), _sort(part, problem)
+        standing = {_sort(*told) for told in (*self._problems.items(), *self._cautions.items())}
+        self._logged = {
+            one: when for one, when in self._logged.items() if one in standing or now - when < QUIET
+        }
         if sort in self._logged or len(self._logged) >= MOST_SORTS:
             return False
         self._logged[sort] = now
@@ -166,6 +169,11 @@ class Diagnostics:
         for values in self._values[part]:
             found |= values()
         return found | {"troubles since start": self._troubles[part]}
+
+
+def _sort(part: str, problem: str) -> tuple[str, str]:
+    """Return the sort of a trouble: its part, and its text up to the first number."""
+    return part, DIGIT.split(problem, maxsplit=1)[0]
 
 
 def _all(texts: Mapping[str, Sequence[str]]) -> list[str]:

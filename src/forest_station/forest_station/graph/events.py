@@ -24,9 +24,13 @@ class Events:
     def __init__(self, node: Node) -> None:
         self._publisher = publisher(node, topics.EVENTS)
 
+    def heard(self) -> bool:
+        """Tell whether anybody hears events: a recorder does some seconds after its start."""
+        return bool(self._publisher.get_subscription_count())
+
     async def say(self, text: str) -> bool:
         """Say an event; wait until all who hear it have it, and tell whether anybody has."""
-        if not self._publisher.get_subscription_count():
+        if not self.heard():
             return False
         self._publisher.publish(message_class(topics.EVENTS)(data=text))
         end = time.monotonic() + ARRIVED_S

@@ -2,7 +2,8 @@
 
 A message of the page is a heartbeat if its number is new and it did not wait on the way. Two
 measures tell that: its age against the fastest message seen, which finds a burst out of a slow
-network's buffer; and its round trip, which finds a network that is slow all the time.
+network's buffer; and its round trip, which finds a network that is slow all the time. A message in
+time tells of the moment when it was sent: a server that was late itself may hear it after `TIMEOUT`.
 
 | state | what it takes to get there |
 |---|---|
@@ -67,11 +68,11 @@ def heard_hands(before: Deadman, hands: Hands, received: float, round_trip: floa
         received: when [s].
         round_trip: from the pong that the message tells of until now [s]; inf: none.
     """
-    deadman, new = judged(before, received), hands.number > before.number
-    way = received - hands.sent
-    drifted = deadman.fastest + DRIFT * max(0.0, received - deadman.heard)
-    fastest = min(way, drifted)
-    in_time = way - fastest < TIMEOUT and round_trip < ROUND_TRIP
+    new, way = hands.number > before.number, received - hands.sent
+    fastest = min(way, before.fastest + DRIFT * max(0.0, received - before.heard))
+    late = way - fastest
+    in_time = late < TIMEOUT and round_trip < ROUND_TRIP
+    deadman = judged(before, received - late if new and in_time else received)
     deadman = deadman._replace(
         number=max(hands.number, deadman.number), fastest=fastest, heard=max(received, before.heard)
     )

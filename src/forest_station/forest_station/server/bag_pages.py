@@ -80,7 +80,7 @@ def _number(query: Mapping[str, str], key: str) -> float:
 
 def _tell(station: Station) -> None:
     state = station.recordings.recorder.state()
-    station.tell("recording", state._asdict())
+    station.tell("recording", {**state._asdict(), "hears": station.graph.events.heard()})
 
 
 async def _start(station: Station, _page: str, arguments: Mapping[str, Any]) -> str:

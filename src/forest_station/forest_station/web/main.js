@@ -53,7 +53,8 @@ function tell(text) {
 // The crane may fail to be drawn: hands and instruments work without it.
 async function showCrane(station) {
   try {
-    await drawScene(document.getElementById("scene"), station, await json("/scene.json"));
+    station.scene = await json("/scene.json");
+    await drawScene(document.getElementById("scene"), station, station.scene);
   } catch (error) {
     tell(`The crane cannot be drawn: ${error.message}`);
   }

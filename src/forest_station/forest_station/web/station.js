@@ -15,6 +15,7 @@ export class Station extends EventTarget {
     this.signals = new Map(); // name → column
     this.units = [];
     this.history = new History(0);
+    this.scene = null; // of the live crane, once it is known
     this.live = true; // false: a replay shows its frames through `show`
     this.socket = null;
     this.requests = new Map(); // number → resolve

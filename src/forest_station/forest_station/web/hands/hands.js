@@ -12,6 +12,7 @@ import { handsMessage } from "./message.js";
 const PERIOD_MS = 20;
 const SHORTEST_MS = 4; // between two messages of moving sticks: a mouse may move 1000 times a second
 const KEY = "the key";
+const FINGERS = matchMedia("(pointer: coarse)").matches;
 
 // Emits "change" when the axes or the deadman changed, and "latency" with the round trip [ms].
 class Hands extends EventTarget {
@@ -33,11 +34,13 @@ class Hands extends EventTarget {
     this.sent = { at: -Infinity, state: "", held: false };
     this.asked = new Map(); // number → when [ms]
     this.looked = performance.now();
-    watchDoubts((why) => this.release(why));
+    watchDoubts((why) => this.#doubt(why));
     station.on("seat", ({ you_drive: drives }) => this.#sit(drives));
     station.on("pong", ({ number }) => this.#measure(number));
     station.on("close", () => this.#disconnect());
     setInterval(() => this.update(), PERIOD_MS);
+    this.clock = new Worker("/web/hands/clock.js"); // for a touch holds back the page's own timers
+    this.clock.onmessage = () => this.update();
   }
 
   // Holds the deadman, or lets it go, on behalf of a control of the page.
@@ -49,8 +52,18 @@ class Hands extends EventTarget {
   // Lets the deadman go for everybody: whoever held it has to press anew.
   release(why) {
     this.deadman.release(why);
-    this.keyboard.clear();
     this.update();
+  }
+
+  // A stick or a key is away from its centre.
+  get deflected() {
+    return this.axes.some((axis) => axis !== 0);
+  }
+
+  // What a person holds here to drive.
+  get grip() {
+    if (FINGERS) return "HOLD TO DRIVE";
+    return this.pads.length > 0 ? "the left Shift key or the gamepad's left shoulder" : "the left Shift key";
   }
 
   moveStick(name, axes) {
@@ -77,6 +90,12 @@ class Hands extends EventTarget {
     if (this.deadman.held && hung(this.looked, now)) this.deadman.release(this.hangs.told(now - this.looked, now));
     if (document.hidden || !document.hasFocus()) this.deadman.release("the page is not in front");
     if (!this.station.live) this.deadman.release("a replay is shown: close it to drive");
+  }
+
+  // Nobody knows any more what is held, and how it was let go.
+  #doubt(why) {
+    this.keyboard.clear();
+    this.release(why);
   }
 
   #hearPads(deadmen) {

@@ -1,8 +1,9 @@
 // Who drives, how the deadman is, and why nothing moves: in words.
 
 // By code of `limit` on controller/status: docs/reference/codes.md.
+const JOINT = 2;
 const LIMITS = [
-  "", "a joint's greatest speed", "the end of a joint", "a singular pose", "the flow of the pumps", "a wall", "",
+  "", "a joint's greatest speed", "", "a singular pose", "the flow of the pumps", "a wall", "",
   "the load: inward, down and sideways are free", "an overload: centre the sticks, then put the load down", "the joystick's late link",
 ];
 
@@ -49,8 +50,10 @@ export const isStanding = (text) => STANDING.test(text);
 
 // Why nothing moves, or not as fast as it was told to; "" if nothing is in the way.
 //
-// seat: the newest message, or null; here: {held, doubted, why} of this page's deadman, its id, {you}, and how it lost the server, {lost}; stopped: the emergency stop is active;
-// status: armed, factor and limit of controller/status, NaN where unknown; cause: why the controller stands still, "" if nobody knows.
+// seat: the newest message, or null; here: {held, doubted, why} of this page's deadman, {deflected}: a stick or a key is
+// away from its centre, {grip}: what is held here to drive, its id, {you}, and how it lost the server, {lost};
+// stopped: the emergency stop is active; status: armed, factor and limit of controller/status, NaN where unknown, and
+// {axis}: at its limit, "" if nobody knows; cause: why the controller stands still, "" if nobody knows.
 export function whyText(seat, here, stopped, status, cause = "") {
   if (!seat) return here.lost || "The page asks for the crane. If this lasts: does scripts/station.sh run?";
   if (stopped) return ""; // its own panel says so
@@ -59,12 +62,13 @@ export function whyText(seat, here, stopped, status, cause = "") {
   if (!seat.you_drive) return seat.driver === null ? "Take the seat to drive." : "";
   if (seat.deadman.state !== "held") {
     if (here.held) return seat.deadman.text;
+    if (here.deflected && !here.doubted) return `Nothing moves without the deadman: let go of sticks and keys, then hold ${here.grip}.`;
     return sentences(here.why, here.doubted ? "Let go of the deadman, then hold it again." : seat.deadman.text);
   }
   if (status.armed === 0) return sentences(cause && `the controller stopped: ${cause}`, "Centre the sticks, then go on.");
-  if (status.factor < 1 && LIMITS[status.limit]) {
-    const percent = Math.round(100 * status.factor);
-    return percent === 0 ? `Held back by ${LIMITS[status.limit]}.` : `Slowed to ${percent} % by ${LIMITS[status.limit]}.`;
-  }
-  return "";
+  if (!(status.factor < 1)) return "";
+  const percent = Math.round(100 * status.factor);
+  const held = percent === 0 ? "Held back" : `Slowed to ${percent} %`;
+  if (status.limit === JOINT) return `${held}: the ${status.axis ? `${status.axis} ` : ""}joint ${percent === 0 ? "is at" : "nears"} its limit.`;
+  return LIMITS[status.limit] ? `${held} by ${LIMITS[status.limit]}.` : "";
 }

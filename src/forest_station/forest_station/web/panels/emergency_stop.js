@@ -53,6 +53,8 @@ class EmergencyStop {
   }
 
   async reset() {
+    const { held, doubted } = this.hands.deadman;
+    if (held || doubted) return this.#tell("Not reset: let go of the deadman first.");
     const { ok, text } = await this.station.ask("reset_emergency_stop");
     this.#tell(ok ? "" : text);
   }

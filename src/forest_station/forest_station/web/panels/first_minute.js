@@ -8,7 +8,6 @@ export const place = "left";
 export const title = "First minute";
 
 const FINGERS = matchMedia("(pointer: coarse)").matches;
-const DEADMAN = FINGERS ? "HOLD TO DRIVE" : "the left Shift key";
 const STOP = FINGERS ? "The red button" : "The space bar";
 const TIP = ["tip/pose/x", "tip/pose/y", "tip/pose/z"];
 
@@ -89,7 +88,7 @@ class FirstMinute {
     if (this.stopped) return "Stopped: press Reset, at the top.";
     if (!this.attempt) {
       const push = FINGERS ? "push the left stick" : "push the left stick, or press W";
-      return `Mark a square at the tip of the crane, and drive along it: hold ${DEADMAN}, and ${push}. ${STOP} stops everything.`;
+      return `Mark a square at the tip of the crane, and drive along it: hold ${this.hands.grip}, and ${push}. ${STOP} stops everything.`;
     }
     if (isDone(this.attempt)) {
       const { rms, most, seconds } = result(this.attempt);
@@ -104,11 +103,11 @@ class FirstMinute {
   #instruction() {
     const number = `Edge ${this.attempt.side + 1} of 4`;
     const { held, doubted } = this.hands.deadman;
-    if (doubted || (held && this.seat.deadman.state === "waiting")) return `${number} waits: let go of everything, then hold ${DEADMAN} again.`;
-    if (!held) return `${number} waits: with the sticks at rest, hold ${DEADMAN}.`;
+    if (doubted || (held && this.seat.deadman.state === "waiting")) return `${number} waits: let go of everything, then hold ${this.hands.grip} again.`;
+    if (!held) return `${number} waits: with the sticks at rest, hold ${this.hands.grip}.`;
     const [word, key, metres] = way(this.attempt, this.#tip());
     const push = FINGERS ? `push the left stick ${word}` : `push the left stick ${word}, or press ${key}`;
-    return `${number}: keep ${DEADMAN} held, and ${push}: ${metres.toFixed(1)} m to go.`;
+    return `${number}: keep ${this.hands.grip} held, and ${push}: ${metres.toFixed(1)} m to go.`;
   }
 }
 

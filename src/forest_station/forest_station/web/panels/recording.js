@@ -37,7 +37,8 @@ function recorder(station, ask) {
 }
 
 // How a recording goes, and what became of it: without each topic's losses, but with what they mean.
-export function stateText({ active, name, seconds, bytes, text }) {
+export function stateText({ active, hears, name, seconds, bytes, text }) {
+  if (active && !hears) return `${name}: the recorder starts, and does not hear the crane yet.`;
   if (active) return /^\d+:/.test(text) ? `${name}: ${text}` : `${name}: ${clock(seconds)}, ${size(bytes)}. ${text}`;
   const short = text.replace(/(lost \d+)(?:, \d+ of [^,:]+)+/, "$1");
   const [, written, lost] = /^recorded (\d+) messages.* lost (\d+)/.exec(short) ?? [];
@@ -54,7 +55,7 @@ function marker(station, ask) {
     ask("mark", { text: text.value.trim() || "mark" });
     text.value = "";
   });
-  station.on("recording", ({ active }) => (form.hidden = !active));
+  station.on("recording", ({ active, hears }) => (form.hidden = !(active && hears)));
   form.hidden = true;
   return form;
 }

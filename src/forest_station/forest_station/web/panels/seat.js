@@ -4,6 +4,7 @@ import { make, makeButton, setText } from "../elements.js";
 import { handsOf } from "../hands/hands.js";
 import { deadmanState, driverText, isStanding, lostText, standingCause, whyText } from "../hands/why.js";
 import { momentOf } from "../replay/link.js";
+import { axisAtLimit } from "../scene/axes.js";
 
 export const place = "top";
 export const title = "";
@@ -48,13 +49,15 @@ class Seat {
   paint() {
     const { seat, view } = this;
     const { held, doubted, why } = this.hands.deadman;
+    const { deflected, grip } = this.hands;
     const deadman = deadmanState(seat, { held, doubted });
     setText(view.driver, driverText(seat));
     view.driver.dataset.drives = Boolean(seat?.you_drive);
     setText(view.deadman, deadman.text);
     view.deadman.dataset.state = deadman.state;
     const cause = standingCause(this.parts, this.logged, performance.now());
-    setText(view.why, whyText(seat, { held, doubted, why, you: this.you, lost: this.lost }, this.stopped, this.#status(), cause));
+    const here = { held, doubted, why, deflected, grip, you: this.you, lost: this.lost };
+    setText(view.why, whyText(seat, here, this.stopped, this.#status(), cause));
     this.#offer(seat ? this.#choices(seat) : []);
   }
 
@@ -68,7 +71,9 @@ class Seat {
 
   #status() {
     const value = (label) => this.station.value(`controller/status/${label}`);
-    return { armed: value("armed"), factor: value("factor"), limit: value("limit") };
+    const joints = this.station.scene?.joints;
+    const axis = joints ? axisAtLimit(joints, (name) => this.station.value(name)) : "";
+    return { armed: value("armed"), factor: value("factor"), limit: value("limit"), axis };
   }
 
   // What this page can do about the seat.

@@ -1,6 +1,6 @@
 // What holds the tip back, shown on the crane where it acts, and named. Codes: docs/reference/codes.md.
 
-import { AXES } from "./axes.js";
+import { AXES, axisAtLimit } from "./axes.js";
 
 const [RATE, JOINT, SINGULARITY, FLOW, WALL, RELEASED, LOAD, OVERLOAD, LATE] = [1, 2, 3, 4, 5, 6, 7, 8, 9];
 const CYLINDERS = { swing: ["platform"], boom: ["boom_barrel", "boom_rod"], stick: ["stick_barrel", "stick_rod"] };
@@ -32,7 +32,7 @@ export class Limits {
     const limit = signals.value("controller/status/limit");
     if (limit === RATE) say("speed limit of a joint or valve", tip);
     if (limit === JOINT) {
-      const axis = this.#nearestToItsLimit();
+      const axis = axisAtLimit(this.crane.joints, (name) => signals.value(name));
       shown.glowing.add(LINKS[axis]);
       say(`${axis}: joint limit`, at(LINKS[axis]));
     }
@@ -79,13 +79,5 @@ export class Limits {
     shown.glowing.add(LINKS[axis]);
     const text = this.trouble.split(";")[0];
     shown.labels.push({ key: "trouble", text, at: this.crane.place(LINKS[axis], ASIDE), kind: "limit" });
-  }
-
-  #nearestToItsLimit() {
-    const room = (axis) => {
-      const { position, limit } = this.crane.joints.find(({ name }) => name === axis);
-      return Math.min(position - limit[0], limit[1] - position) / (limit[1] - limit[0]);
-    };
-    return AXES.reduce((best, axis) => (room(axis) < room(best) ? axis : best));
   }
 }

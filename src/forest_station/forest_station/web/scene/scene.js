@@ -25,7 +25,6 @@ class View {
   constructor(element, canvas, station, scene) {
     this.element = element;
     this.station = station;
-    this.home = scene;
     this.tip = [NaN, NaN, NaN];
     this.cameras = new Cameras(canvas, scene);
     this.labels = new Labels(overlay(element, "labels"));
@@ -52,7 +51,7 @@ class View {
     this.station.on("taught", (taught) => this.#say({ kind: "taught", taught }));
     this.station.on("diagnostics", ({ parts }) => this.#trouble(this.station.live ? standingCause(parts, null, 0) : ""));
     this.station.on("parameters", ({ nodes }) => this.#settings(nodes.controller ?? {}));
-    this.station.on("scene", (detail) => this.#change(detail ?? this.home));
+    this.station.on("scene", (detail) => this.#change(detail ?? this.station.scene));
     this.#signals();
     this.#resize();
     this.then = performance.now();
@@ -130,8 +129,8 @@ class View {
     this.set = set.join();
     const response = await fetch("/scene.json");
     if (!response.ok) return;
-    this.home = await response.json();
-    if (this.station.live) this.#change(this.home);
+    this.station.scene = await response.json();
+    if (this.station.live) this.#change(this.station.scene);
   }
 
   #change(scene) {
