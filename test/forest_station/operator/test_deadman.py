@@ -82,6 +82,7 @@ def test_a_server_that_was_late_itself_hears_that_it_was_held_all_the_time():
     for message in waited:
         page.deadman = heard_hands(page.deadman, message, late, 0.02)
     assert page.deadman.state == State.HELD
+    assert expiry(page.deadman) < page.now + WAY + TIMEOUT - PERIOD + 1e-4  # as of when the last was sent
 
 
 def test_a_burst_that_waited_in_a_buffer_is_no_heartbeat():
@@ -198,12 +199,11 @@ def test_whatever_arrives_it_is_never_held_for_longer_than_the_timeout_after_a_h
             for at, message in sorted(due):
                 before = page.deadman
                 after = heard_hands(before, message, at, rng.choice((0.01, 0.05, 0.3)))
-                assert after.heartbeat in (before.heartbeat, at)
+                assert after.heartbeat == before.heartbeat or at - TIMEOUT < after.heartbeat <= at
                 if after.state == State.HELD:
                     held += 1
                     assert message.held or after.heartbeat == before.heartbeat
-                    in_time = before.heartbeat + 2 * TIMEOUT > at  # it was sent within one
-                    assert before.state == State.READY or in_time
+                    assert before.state == State.READY or before.heartbeat + TIMEOUT > after.heartbeat
                 page.deadman = after
             page.deadman = judged(page.deadman, now)
             assert page.deadman.state != State.HELD or now - page.deadman.heartbeat < TIMEOUT

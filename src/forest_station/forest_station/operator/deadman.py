@@ -2,8 +2,8 @@
 
 A message of the page is a heartbeat if its number is new and it did not wait on the way. Two
 measures tell that: its age against the fastest message seen, which finds a burst out of a slow
-network's buffer; and its round trip, which finds a network that is slow all the time. A message in
-time tells of the moment when it was sent: a server that was late itself may hear it after `TIMEOUT`.
+network's buffer; and its round trip, which finds a network that is slow all the time. A message
+counts from the moment when it was sent, whether the way or the server was late.
 
 | state | what it takes to get there |
 |---|---|
@@ -50,7 +50,7 @@ class Deadman(NamedTuple):
     state: State = State.WAITING
     cause: str = ""  # why it waits; "": it was released, or never held
     number: int = -1  # of the newest message
-    heartbeat: float = -math.inf  # when the last one was received [s]
+    heartbeat: float = -math.inf  # when the last one was received, had it not waited [s]
     heartbeats: int = 0
     fastest: float = math.inf  # least way of a message: receive time minus the page's time [s]
     heard: float = -math.inf  # when the newest message was received [s]
@@ -72,7 +72,8 @@ def heard_hands(before: Deadman, hands: Hands, received: float, round_trip: floa
     fastest = min(way, before.fastest + DRIFT * max(0.0, received - before.heard))
     late = way - fastest
     in_time = late < TIMEOUT and round_trip < ROUND_TRIP
-    deadman = judged(before, received - late if new and in_time else received)
+    sent = received - late  # as the fastest message would have been heard
+    deadman = judged(before, sent if new and in_time else received)
     deadman = deadman._replace(
         number=max(hands.number, deadman.number), fastest=fastest, heard=max(received, before.heard)
     )
@@ -80,7 +81,7 @@ def heard_hands(before: Deadman, hands: Hands, received: float, round_trip: floa
         deadman = stopped(deadman, "")
     if not (new and in_time):
         return deadman._replace(cause=LATE) if _waits_for_time(deadman, in_time, round_trip) else deadman
-    return _advanced(deadman._replace(heartbeat=received, heartbeats=deadman.heartbeats + 1), hands)
+    return _advanced(deadman._replace(heartbeat=sent, heartbeats=deadman.heartbeats + 1), hands)
 
 
 def judged(deadman: Deadman, now: float) -> Deadman:

@@ -272,9 +272,12 @@ SENSORS = {
         "no transducer has a sample",
         "The nominal load is taken. Not weighed for 0.5 s: only motions that unload pass,"
         " and a taught cycle waits where it is. "
-        "Weighed again, what was held goes on while the levers ask for it, in 2 of 40 seeds: bold.",
-        _off(1.2, 0.0, "load: not weighed")
-        | {State.TAUGHT: Bound(off=1.2, told="load: not weighed", held=True)}
+        "A limit: weighed again, what it held goes on while deadman and levers ask for it.",
+        same(
+            Bound(off=1.2, told="load: not weighed", held=True),
+            HELD,
+            STANDING=Bound(off=1.2, told="load: not weighed", again=False),
+        )
         | {State.EXPERIMENT: Bound(zero=0.11, told="nothing good on hydraulics/pressures", again=False)},
         seen=wires.no_pressures,
     ),
