@@ -15,7 +15,7 @@ from forest_msgs_py.interfaces.messages import ns_to_stamp
 from forest_msgs_py.interfaces.qos_profiles import Qos
 from forest_msgs_py.interfaces.topics import CLOCK, message_class, unlisted
 
-DRAIN_S = 10.0  # what a full buffer dropped is asked for again only seconds later
+DRAIN_S = 10.0  # longest wait for readers that were slow
 HASH = "RIHS01_"
 TRIES = 9  # further ones: the middleware waits 0.1 s in each
 

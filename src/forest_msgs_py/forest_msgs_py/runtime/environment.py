@@ -17,11 +17,9 @@ LOOPBACK_PROFILE = Path(__file__).resolve().parents[1] / "loopback.xml"
 LOOPBACK = "<address>127.0.0.1</address>"  # in the profile: the interfaces that are used
 # Between hosts packets are lost: readers are asked every 20 ms what they miss, and get it at once. On
 # loopback next to nothing is lost, and fewer timers are better.
+HEARTBEATS = "<heartbeatPeriod><sec>0</sec><nanosec>{}</nanosec></heartbeatPeriod>"
 NETWORK_TIMES = (
-    (
-        "<nackSupressionDuration>",
-        "<heartbeatPeriod><sec>0</sec><nanosec>20000000</nanosec></heartbeatPeriod><nackSupressionDuration>",
-    ),
+    (HEARTBEATS.format(100000000), HEARTBEATS.format(20000000)),
     ("<nanosec>50000000</nanosec>", "<nanosec>0</nanosec>"),  # nackSupressionDuration
 )
 PROFILE_VARIABLE = "FASTRTPS_DEFAULT_PROFILES_FILE"

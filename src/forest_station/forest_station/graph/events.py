@@ -10,7 +10,7 @@ from forest_msgs_py.interfaces import topics
 from forest_msgs_py.interfaces.topics import message_class
 from forest_msgs_py.runtime.node import publisher
 
-ARRIVED_S = 5.0  # longest wait; a recorder that is just being found asks for what it missed within 3 s
+ARRIVED_S = 5.0  # longest wait for who hears it
 POLL_S = 0.01  # a wait inside the middleware would hold up the whole process
 
 
