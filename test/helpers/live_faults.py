@@ -284,7 +284,8 @@ def table(found: Mapping[str, Sequence[Outcome]]) -> str:
         ways = [one.way for one in found[name] if cell.zero is not None and not math.isnan(one.way)]
         told = next((said for said in worst.told if cell.told and cell.told in said), "")
         row = (
-            *(name, cell.text, _must(cell)),
+            f"**{name}**" if any(broken(cell, one) for one in found[name]) else name,
+            *(cell.text, _must(cell)),
             "moves on" if math.isinf(worst.zero) else f"{worst.zero:.2f}",
             "" if math.isinf(worst.zero) else f"{worst.waited:.2f}",
             f"{max(ways):.2f}" if ways else "",
@@ -315,6 +316,7 @@ levers rock the swing, and are never centred until they rest on purpose.
 - No row leaves a process behind, or prints a traceback. A tip that is stopped goes 0.6 m at most.
 - Before the deliberate act nothing moves again. After it the crane moves, unless its graph has
   ended or an emergency stop is latched.
+- A fault in **bold** broke its bound.
 - `lost` counts messages of the machine's state.
 - In other states the same holds as offline: who is killed or hangs is silent to the others.
 

@@ -72,3 +72,9 @@ def test_the_page_has_the_worst_repetition_after_what_the_host_took():
     rows = [json.dumps(["controller: SIGSTOP", one]) for one in (WELL, later, taken)]
     assert "the worst of 3 repetitions" in page(rows)
     assert "| zero in 0.11 s | 0.10 | 0.00 | 0.05 | 0 |" in page(rows)
+
+
+def test_the_page_has_a_fault_that_broke_its_bound_in_bold():
+    rows = [json.dumps(["controller: SIGSTOP", one]) for one in (WELL, WELL._replace(zero=0.2))]
+    assert "\n| **controller: SIGSTOP** |" in page(rows)
+    assert "\n| controller: SIGSTOP |" in page(rows[:1])
