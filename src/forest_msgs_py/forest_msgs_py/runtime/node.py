@@ -34,7 +34,7 @@ from rclpy.clock import Clock, ClockType
 from rclpy.duration import Duration
 from rclpy.event_handler import PublisherEventCallbacks
 from rclpy.exceptions import NameValidationException, ParameterException
-from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
+from rclpy.executors import ExternalShutdownException
 from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
 
@@ -46,6 +46,7 @@ from forest_msgs_py.runtime.environment import (
     prepare_environment,
     wait_for_supervisor,
 )
+from forest_msgs_py.runtime.static_executor import StaticExecutor
 
 LAST_WORDS = 0.1  # [s]
 STOP_SIGNALS = (signal.SIGINT, signal.SIGTERM)
@@ -146,7 +147,7 @@ def _print_error(error: BaseException) -> None:
 
 def _spin(node: Node, signals: _StopSignals) -> int:
     """Run callbacks in this thread until a stop is asked for; exceptions in callbacks end the node."""
-    executor = SingleThreadedExecutor()
+    executor = StaticExecutor()
     executor.add_node(node)
     wake = node.create_guard_condition(_finish)
     signals.react = wake.trigger
