@@ -124,12 +124,12 @@ def test_both_messages_between_two_looks_are_told_oldest_first_each_with_its_own
 
 
 def test_a_node_that_spins_is_not_woken_and_its_messages_wait(make_node, wait_until):
-    from rclpy.executors import SingleThreadedExecutor
+    from forest_msgs_py.runtime.static_executor import StaticExecutor
 
     node = make_node("both")
     box, sender = polled_subscription(node, VALVE_VOLTAGES), publisher(node, VALVE_VOLTAGES)
     wait_until(lambda: sender.get_subscription_count() == 1)
-    executor = SingleThreadedExecutor(context=node.context)
+    executor = StaticExecutor(context=node.context)
     executor.add_node(node)
     turns = []
     node.create_timer(0.001, lambda: turns.append(1))
