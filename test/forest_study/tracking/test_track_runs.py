@@ -17,12 +17,12 @@ from forest_control.valve import valve_driver_parameters
 from forest_description.config.parameter import MachineError
 from forest_description.machine import load_machine
 from forest_sim.equations.plant_parameters import parameters_of, plant_parameters
-from forest_study import cli
+from forest_study import cli, results
 from forest_study.closed_loop import loop_kernel, model_mismatch
 from forest_study.closed_loop.closed_loop import ClosedLoop
 from forest_study.closed_loop.model_mismatch import Ranges
 from forest_study.closed_loop.path_guide import Hand
-from forest_study.tracking import track_command, tracking
+from forest_study.tracking import tracking
 from forest_study.tracking.track_runs import Variation, quantiles, run_many
 
 C180 = load_machine("c180_hoses")
@@ -246,7 +246,7 @@ def test_wrong_numbers_are_answered_with_what_is_allowed(given, allowed, tmp_pat
 
 
 def test_without_llvm_the_command_says_what_to_install(tmp_path, capsys, monkeypatch):
-    monkeypatch.setattr(track_command, "can_compile", lambda: False)
+    monkeypatch.setattr(results, "can_compile", lambda: False)
     assert cli.main(["track", "--path", "sweep", "--out", str(tmp_path / "out")]) == 1
     assert "pip install 'forest-crane[fast]'" in capsys.readouterr().err
     assert not (tmp_path / "out").exists()
