@@ -102,10 +102,6 @@ class Estimate(NamedTuple):
         value, low_text, high_text = (f"{number:.{digits}g}" for number in (self.value, low, high))
         return value, low_text, high_text
 
-    def told_as(self) -> str:
-        """Return value, half of the 95 % interval and unit as text."""
-        return f"{self.value:.5g} ± {NORMAL_95 * self.standard_error:.2g} {self.unit}"
-
     def contains(self, truth: float) -> bool:
         """Tell whether the interval contains a value [unit]."""
         low, high = self.interval
