@@ -98,13 +98,20 @@ def answered(
         products=(one[1], two[1], three[1]),
         responses=(one[2], two[2], three[2]),
     )
+    return _weighed(after, q, u, v, pressures, p, dt)
+
+
+def _weighed(
+    before: Answers, q: Vec3, u: Vec3, v: Vec3, pressures: Pressures, p: Parameters, dt: float
+) -> Answers:
+    """Return the answers with the torque that bore the boom on its way up, and that of its weight."""
     c = p.weighing
     force = c.areas[0] * pressures[0] - c.areas[1] * pressures[1]
     way = dt * ((abs(v[0]) if u[0] * v[0] > 0.0 else 0.0) + (v[1] if u[1] > 0.0 and v[1] > 0.0 else 0.0))
     if before.way >= FREE or way == 0.0 or math.isnan(force):
-        return after
+        return before
     torque, head = lever_arm(q[1], c.linkage) * force, c.gravity * c.empty_head * _reach(q, p)
-    return after._replace(
+    return before._replace(
         way=before.way + way,
         borne=before.borne + torque * way,
         weight=before.weight + (own_weight(q, c) - head) * way,

@@ -85,11 +85,7 @@ def watched(
     if before.wrong >= POLARITY or (before.wrong != FITS and not before.fitted):
         return before
     loaded = (pressures[0] if voltages[1] > 0.0 else pressures[1]) > BORNE * p.speed_limits.supply_pressure
-    u = (
-        asked[0] if opens(voltages[0], 0, p) else 0.0,
-        asked[1] if opens(voltages[1], 1, p) and not loaded else 0.0,
-        asked[2] if opens(voltages[2], 2, p) else 0.0,
-    )
+    u = _opened_for(asked, voltages, loaded, p)
     ways = (
         _way(before.ways[0], u[0], rates[0], dt),
         _way(before.ways[1], u[1], rates[1], dt),
@@ -112,6 +108,15 @@ def watched(
         if ways[i] < -PROVEN or (ways[i] < PROVEN and sinks):
             wrong = POLARITY + i
     return FileCheck(ways, strange, fitted, wrong, answers)
+
+
+def _opened_for(asked: Vec3, voltages: Vec3, loaded: bool, p: Parameters) -> Vec3:
+    """Return the joint rates [rad/s] asked of open valves; none of a boom that a load presses back."""
+    return (
+        asked[0] if opens(voltages[0], 0, p) else 0.0,
+        asked[1] if opens(voltages[1], 1, p) and not loaded else 0.0,
+        asked[2] if opens(voltages[2], 2, p) else 0.0,
+    )
 
 
 def _way(before: float, u: float, v: float, dt: float) -> float:

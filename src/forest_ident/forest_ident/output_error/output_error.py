@@ -29,6 +29,7 @@ those are where this starts.
 import math
 from collections.abc import Callable, Mapping, Sequence
 from types import MappingProxyType
+from typing import NamedTuple
 
 import numpy as np
 
@@ -104,6 +105,16 @@ def damped_step(
     return np.clip(-np.linalg.solve(damped, slope), -reach, reach)
 
 
+class _End(NamedTuple):
+    """Where a search has ended."""
+
+    theta: Floats
+    predicted: dict[str, Floats]
+    jacobian: list[dict[str, Floats]]
+    iterations: int
+    converged: bool
+
+
 class _Search:
     """Gauss-Newton on a problem. Derivatives, a simulation each, are kept as long as steps grow shorter."""
 
@@ -123,6 +134,10 @@ class _Search:
         self, prior: GaussianEstimate, redrawn: Sequence[Model], told: Sequence[Mapping[str, float]]
     ) -> Fit:
         """Return the end of the search; arguments as `fit`."""
+        return self._told(self._searched(), prior, redrawn, told)
+
+    def _searched(self) -> _End:
+        """Return where the cost falls no further."""
         problem, theta, damping, last = self._problem, self._problem.mean.copy(), DAMPING, math.inf
         predicted = self._simulate(self._model, theta)
         problem.update_noise(theta, predicted)
@@ -139,6 +154,17 @@ class _Search:
             last = math.inf if fresh else moved
             if fresh and not converged:
                 jacobian, taken = self._derivatives(theta, predicted), theta
+        return _End(theta, predicted, jacobian, iterations, converged)
+
+    def _told(
+        self,
+        end: _End,
+        prior: GaussianEstimate,
+        redrawn: Sequence[Model],
+        told: Sequence[Mapping[str, float]],
+    ) -> Fit:
+        """Return values and uncertainties at the end of the search."""
+        problem, theta, predicted, jacobian = self._problem, end.theta, end.predicted, end.jacobian
         base = self._base(theta, predicted)
 
         def after(model: Model, number: Mapping[str, float]) -> Columns:
@@ -164,9 +190,9 @@ class _Search:
             posterior=updated(prior, problem.names, theta, covariance, slopes),
             residuals=problem.residuals(theta, predicted),
             noise=dict(problem.sigma),
-            iterations=iterations,
+            iterations=end.iterations,
             told_noise=told_noise,
-            converged=converged and not refused,
+            converged=end.converged and not refused,
         )
 
     def _untaken(self, theta: Floats, predicted: dict[str, Floats], jacobian: Jacobian) -> Floats:

@@ -94,7 +94,17 @@ def identify(
         with data_quality.evaluated(session):
             _estimate_linearly(result, session)
     result.known = _of_offsets([*_offsets_of_file(start, used), *result.calibration])
-    work = [s for s in used if refine and task(result.machine, s) is not None]
+    if refine:
+        _refine_all(result, used, progress)
+    progress("done", 1.0)
+    result.stranger = data_quality.stranger({r.session.name: r.tests for r in result.refined})
+    _conclude(result)
+    return result
+
+
+def _refine_all(result: Result, used: Sequence[Session], progress: Progress) -> None:
+    """Refine by one session after the other; one that cannot be does not lose what the others told."""
+    work = [s for s in used if task(result.machine, s) is not None]
     workload = Workload(result.machine, work)
     for place, session in enumerate(work):
 
@@ -105,14 +115,10 @@ def identify(
         try:
             with data_quality.evaluated(session):
                 _refine(result, session, simulated)
-        except SessionError as error:  # what the other records told is not lost by this one
+        except SessionError as error:
             result.remarks.append(f"{error}; its linear estimates stay")
             wanted = task(result.machine, session)
             result.failed[session.name] = wanted.free if wanted else ()
-    progress("done", 1.0)
-    result.stranger = data_quality.stranger({r.session.name: r.tests for r in result.refined})
-    _conclude(result)
-    return result
 
 
 def _prepared(start: Machine, sessions: Sequence[Session]) -> Machine:

@@ -7,7 +7,7 @@ within the bench's interval. `refinement_task` names the parameters and channels
 
 import dataclasses
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from types import MappingProxyType
 
 import numpy as np
@@ -21,7 +21,7 @@ from forest_ident.measurements import sample_mask
 from forest_ident.measurements.parameter_path import value_of, with_directions, with_part, with_values
 from forest_ident.measurements.session import Session, SessionError
 from forest_ident.output_error import noise_model
-from forest_ident.output_error.fit_problem import Fit, Unknown
+from forest_ident.output_error.fit_problem import Channel, Columns, Fit, Unknown
 from forest_ident.output_error.gaussian_estimate import GaussianEstimate, widened
 from forest_ident.output_error.output_error import Model, fit
 from forest_ident.output_error.prediction import ROUGH, STEP, Offsets, predict, redrawn
@@ -68,13 +68,6 @@ def refine(
         )
     # Static errors stay, the noise of the means that a session starts from is its own.
     noise = {name: noise_model.start_noise(machine, session, name) for name in ANGLES}
-    measured = sample_mask.fresh({c.name: session.column(c.name) for c in channels})
-    if session.on_rig:
-        floor = max((c.floor for c in channels), default=0.0)
-        settled = SETTLED if session.kind == "valve" else 0.0
-        measured = sample_mask.while_open(measured, session, settled, floor)
-    else:
-        measured = sample_mask.without_start(measured, session)
     corrected = calibration.corrected(session, machine)
 
     def driven_by(inputs: Session, step: float = STEP) -> Model:
@@ -85,7 +78,7 @@ def refine(
     again = () if session.on_rig else [driven_by(one, ROUGH) for one in redrawn(machine, corrected)]
     done = fit(
         driven_by(corrected),
-        measured,
+        _measured(session, channels),
         channels,
         unknowns,
         progress,
@@ -96,6 +89,16 @@ def refine(
     )
     rounded = extension_keys.rounding(done.values)
     return work, done._replace(posterior=widened(done.posterior, rounded))
+
+
+def _measured(session: Session, channels: Sequence[Channel]) -> Columns:
+    """Return what the channels read; NaN where it does not count."""
+    measured = sample_mask.fresh({c.name: session.column(c.name) for c in channels})
+    if not session.on_rig:
+        return sample_mask.without_start(measured, session)
+    floor = max((c.floor for c in channels), default=0.0)
+    settled = SETTLED if session.kind == "valve" else 0.0
+    return sample_mask.while_open(measured, session, settled, floor)
 
 
 def _unknowns(machine: Machine, session: Session, work: Task) -> list[Unknown]:

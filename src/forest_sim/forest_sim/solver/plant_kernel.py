@@ -75,8 +75,19 @@ def entry() -> Entry:
         "FIRST": integrator.WEIGHTS[0],
         "SECOND": integrator.WEIGHTS[1],
     }
+    return Entry(
+        text=_text(simulation, none),
+        names=names,
+        arguments=ARGUMENTS,
+        tuples={"simulation": ("state", simulation), "p": ("parameters", p)},
+        noinline=NOINLINE,
+    )
+
+
+def _text(simulation: Simulation, powers: power_flows.PowerFlows) -> str:
+    """Return the kernel's source; the examples tell which numbers a state and its powers have."""
     state = [path for path, _ in flat_layout.leaves(simulation, "simulation")]
-    flows = [path for path, _ in flat_layout.leaves(none, "")]
+    flows = [path for path, _ in flat_layout.leaves(powers, "")]
     lines = [
         f"def kernel({NAMES}):",
         "    i = 0",
@@ -101,13 +112,7 @@ def entry() -> Entry:
         *(f"            states[s + {i}] = {path}" for i, path in enumerate(state)),
         *(f"    state[{i}] = {path}" for i, path in enumerate(state)),
     ]
-    return Entry(
-        text="\n".join(lines),
-        names=names,
-        arguments=ARGUMENTS,
-        tuples={"simulation": ("state", simulation), "p": ("parameters", p)},
-        noinline=NOINLINE,
-    )
+    return "\n".join(lines)
 
 
 @lru_cache(maxsize=1)

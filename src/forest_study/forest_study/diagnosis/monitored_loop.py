@@ -165,6 +165,14 @@ def _entry() -> Entry:
     names: dict[str, Any] = {"period": loop_core.period, "sensed": loop_core.sensed, "moved": loop_core.moved}
     names |= {f.__name__: f for f in (operated, read, sensor_state, score, Levers)}
     names |= {"watched": monitor.step, "REST": levers_of.REST, "tip_position": tip_position}
+    tuples = {"k": ("knowledge", given["knowledge"]), "given": ("told", given["parameters"])}
+    noinline = (*loop_kernel.NOINLINE, monitor.step)
+    return Entry(text=_text(names), names=names, arguments=ARGUMENTS, tuples=tuples, noinline=noinline)
+
+
+def _text(names: dict[str, Any]) -> str:
+    """Return the kernel's source; names takes the types of what it makes."""
+    given = _examples()
     n, m, line = residuals.COUNT, readings.COUNT, 12 * " "
     state, watch = given["loop"], given["state"]
     lines = [
@@ -201,10 +209,7 @@ def _entry() -> Entry:
         *(f"{line}recorded[out + {2 * n + i}] = watch.tests[{i}].mean" for i in range(n)),
         *(f"{line}recorded[out + {SENSORS + m + i}] = happened.tip[{i}]" for i in range(3)),
     ]
-    text = "\n".join(lines)
-    tuples = {"k": ("knowledge", given["knowledge"]), "given": ("told", given["parameters"])}
-    noinline = (*loop_kernel.NOINLINE, monitor.step)
-    return Entry(text=text, names=names, arguments=ARGUMENTS, tuples=tuples, noinline=noinline)
+    return "\n".join(lines)
 
 
 KERNEL = CachedKernel("diagnosis", _entry)
