@@ -68,7 +68,7 @@ def fit(
     block: int = BLOCK,
     prior: GaussianEstimate = EMPTY,
     redrawn: Sequence[Model] = (),
-    told: Sequence[Mapping[str, float]] = (),
+    stated: Sequence[Mapping[str, float]] = (),
     rough: Model | None = None,
 ) -> Fit:
     """Return the parameters that explain the measured columns best.
@@ -82,11 +82,11 @@ def fit(
         block: rows within which residuals may be correlated.
         prior: what earlier fits found, of parameters and of the sensors' static errors.
         redrawn: the rough model again, each time with the noise of its inputs drawn once more.
-        told: parameters that are not estimated, each moved by its standard deviation, by key.
+        stated: parameters that are not estimated, each moved by its standard deviation, by key.
         rough: a quicker model, whose changes are near those of the model; without it the model itself.
     """
     problem = Problem(measured=measured, channels=channels, unknowns=unknowns, block=block, prior=prior)
-    return _Search(model, rough or model, problem, unknowns, channels, progress).fit(prior, redrawn, told)
+    return _Search(model, rough or model, problem, unknowns, channels, progress).fit(prior, redrawn, stated)
 
 
 def damped_step(
@@ -131,10 +131,10 @@ class _Search:
         self._unknowns, self._channels = unknowns, channels
 
     def fit(
-        self, prior: GaussianEstimate, redrawn: Sequence[Model], told: Sequence[Mapping[str, float]]
+        self, prior: GaussianEstimate, redrawn: Sequence[Model], stated: Sequence[Mapping[str, float]]
     ) -> Fit:
         """Return the end of the search; arguments as `fit`."""
-        return self._told(self._searched(), prior, redrawn, told)
+        return self._told(self._searched(), prior, redrawn, stated)
 
     def _searched(self) -> _End:
         """Return where the cost falls no further."""
@@ -161,7 +161,7 @@ class _Search:
         end: _End,
         prior: GaussianEstimate,
         redrawn: Sequence[Model],
-        told: Sequence[Mapping[str, float]],
+        stated: Sequence[Mapping[str, float]],
     ) -> Fit:
         """Return values and uncertainties at the end of the search."""
         problem, theta, predicted, jacobian = self._problem, end.theta, end.predicted, end.jacobian
@@ -175,9 +175,9 @@ class _Search:
         untaken = self._untaken(theta, predicted, jacobian)
         covariance = problem.covariance(theta, predicted, jacobian, inputs) + np.outer(untaken, untaken)
         values = problem.values(theta)
-        others = [after(self._rough, number) if number else predicted for number in told]
-        before = prior.moves(problem.names, len(told))
-        slopes, told_noise = problem.told_effect(theta, predicted, jacobian, others, before)
+        others = [after(self._rough, number) if number else predicted for number in stated]
+        before = prior.moves(problem.names, len(stated))
+        slopes, stated_noise = problem.stated_effect(theta, predicted, jacobian, others, before)
         sds = np.sqrt(np.maximum(np.diag(covariance), 0.0))[: problem.count].tolist()
         pairs = zip(self._unknowns, sds, strict=True)
         information = problem.normal(theta, predicted, jacobian)[0] + problem.known
@@ -191,7 +191,7 @@ class _Search:
             residuals=problem.residuals(theta, predicted),
             noise=dict(problem.sigma),
             iterations=end.iterations,
-            told_noise=told_noise,
+            stated_noise=stated_noise,
             converged=end.converged and not refused,
         )
 
@@ -207,9 +207,9 @@ class _Search:
         return max((m for m, u in zip(moves, self._unknowns, strict=True) if u.positive), default=0.0)
 
     def _simulate(
-        self, model: Model, theta: Floats, told: Mapping[str, float] = MappingProxyType({})
+        self, model: Model, theta: Floats, stated: Mapping[str, float] = MappingProxyType({})
     ) -> dict[str, Floats]:
-        columns = model({**self._problem.values(theta), **told})
+        columns = model({**self._problem.values(theta), **stated})
         self._progress()
         return {c.name: np.asarray(columns[c.name], dtype=np.float64) for c in self._channels}
 

@@ -26,7 +26,7 @@ from forest_ident.output_error.gaussian_estimate import GaussianEstimate, widene
 from forest_ident.output_error.output_error import Model, fit
 from forest_ident.output_error.prediction import ROUGH, STEP, Offsets, predict, redrawn
 from forest_ident.refinement import extension_keys
-from forest_ident.refinement.refinement_task import INERTIAS, START, Task, is_parameter, task, told
+from forest_ident.refinement.refinement_task import INERTIAS, START, Task, is_parameter, stated_keys, task
 
 UNKNOWN = 0.4  # prior standard deviation of what no experiment has estimated yet: relative, or volts
 SETTLED = 0.25  # [s] after a change of voltage
@@ -48,7 +48,7 @@ def refine(
         session: the record.
         known: what earlier experiments found.
         progress: called after every simulation.
-        errors: standard deviation of every told number, by key; those that a record does not feel do not
+        errors: standard deviation of every stated number, by key; those that a record does not feel do not
             move it.
     """
     work = task(machine, session)
@@ -73,8 +73,10 @@ def refine(
     def driven_by(inputs: Session, step: float = STEP) -> Model:
         return lambda values: _predicted(machine, inputs, values, step)
 
-    felt = told(machine, session)
-    moved = [{key: told_value(machine, key) + error} if key in felt else {} for key, error in errors.items()]
+    felt = stated_keys(machine, session)
+    moved = [
+        {key: stated_value(machine, key) + error} if key in felt else {} for key, error in errors.items()
+    ]
     again = () if session.on_rig else [driven_by(one, ROUGH) for one in redrawn(machine, corrected)]
     done = fit(
         driven_by(corrected),
@@ -84,7 +86,7 @@ def refine(
         progress,
         prior=widened(known, noise),
         redrawn=again,
-        told=moved,
+        stated=moved,
         rough=driven_by(corrected, ROUGH) if session.on_crane else None,
     )
     rounded = extension_keys.rounding(done.values)
@@ -171,7 +173,7 @@ def prepared(machine: Machine, session: Session) -> Machine:
     return with_part(machine, "manipulator.platform_tilt", tilt)
 
 
-def told_value(machine: Machine, key: str) -> float:
+def stated_value(machine: Machine, key: str) -> float:
     """Return what is told of a number: the machine's, 1 of a factor."""
     return 1.0 if key in INERTIAS else value_of(machine, key)
 

@@ -51,8 +51,8 @@ def is_parameter(name: str) -> bool:
     return name not in NUISANCES and not name.startswith((START, "rig.load"))
 
 
-def told(machine: Machine, session: Session) -> tuple[str, ...]:
-    """Return the told numbers that a record of the crane feels."""
+def stated_keys(machine: Machine, session: Session) -> tuple[str, ...]:
+    """Return the stated numbers that a record of the crane feels."""
     if not session.on_crane:
         return ()
     axis = AXES[_axis(machine, session)]
@@ -141,7 +141,7 @@ def simulations(machine: Machine, session: Session) -> float:
         return 0.0
     starts = len(work.channels) if session.on_crane else 0  # pressures at the start are unknown, too
     derivatives = len(work.free) + len(work.carried) + len(work.nuisances) + starts
-    return OF_DERIVATIVES * derivatives + len(told(machine, session)) + STEPS
+    return OF_DERIVATIVES * derivatives + len(stated_keys(machine, session)) + STEPS
 
 
 def _gravity(machine: Machine, pump: tuple[str, ...]) -> Task:
