@@ -7,10 +7,10 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from forest_description.machine import load_machine
-from forest_ident.diagnosis import machine_numbers, monitor
+from forest_ident.diagnosis import monitor, residual_parameters
 from forest_ident.diagnosis.findings import Finding, alarms, findings
-from forest_ident.diagnosis.limits import LIMITS
-from forest_ident.diagnosis.recorded import samples
+from forest_ident.diagnosis.recorded_readings import samples
+from forest_ident.diagnosis.residual_limits import LIMITS
 from forest_ident.diagnosis.residuals import NAMES
 from forest_ident.measurements.session import SessionError
 
@@ -47,7 +47,7 @@ def run(options: argparse.Namespace) -> int:
     """
     if options.out is not None and options.out.exists():
         raise SessionError(f"{options.out} exists already; choose another --out or remove it")
-    p = monitor.Parameters(machine_numbers.parameters(load_machine(options.machine)), LIMITS)
+    p = monitor.Parameters(residual_parameters.parameters(load_machine(options.machine)), LIMITS)
     state = monitor.BEGIN
     for bag in options.healthy:
         *_, (state, _) = watched(state, bag, p)

@@ -16,8 +16,8 @@ import math
 from typing import NamedTuple
 
 from forest_ident.diagnosis.axis_residuals import SETTLED, SPAN, Axis, Sums
-from forest_ident.diagnosis.machine_numbers import AxisNumbers, Parameters, full_speed
-from forest_ident.diagnosis.readings import NAN, PORTS, Readings
+from forest_ident.diagnosis.monitor_readings import NAN, PORTS, Readings
+from forest_ident.diagnosis.residual_parameters import AxisNumbers, Parameters, full_speed
 from forest_sim.hydraulics.supply import Supply
 
 FLOWED = 0.04  # [1] of full flow, from which a meter is judged

@@ -15,9 +15,9 @@ from forest_description.machine import load_machine
 from forest_description.types import AXES
 from forest_sim.equations import plant
 from forest_sim.equations.plant_parameters import PlantParameters, plant_parameters
-from forest_sim.half_step import compensator_step, holding_step, pushed_spools, tank_step
 from forest_sim.hydraulics import command_history, port, spool_dynamics, supply
 from forest_sim.mechanics import pendulum
+from forest_sim.midpoint import compensator_step, holding_step, pushed_spools, tank_step
 from forest_sim.solver import conserved_oil, integrator, power_flows
 from forest_sim.solver.equilibrium import equilibrium
 from forest_sim.solver.integrator import Simulation
@@ -33,7 +33,7 @@ NOINLINE = (
     holding_step.lifts_after,
     compensator_step.openings_after,
     pushed_spools.pushed,
-    tank_step.tank_amid,
+    tank_step.tank_at_midpoint,
     tank_step.returned_flow,
     supply.flow_after,
     axis_stage._solve_with_holding,

@@ -34,7 +34,6 @@ from forest_sim.equations.plant import (
 )
 from forest_sim.equations.plant_parameters import Axis, PlantParameters
 from forest_sim.equations.valve_ports import Ports
-from forest_sim.half_step.tank_step import tank_flow
 from forest_sim.hydraulics.actuator import inlet_flow, outlet_flow, port_pressures
 from forest_sim.hydraulics.hydraulic_line import guard_flow
 from forest_sim.hydraulics.load_holding import holding_drop, is_held
@@ -46,6 +45,7 @@ from forest_sim.hydraulics.supply import flow_at, manifold_capacitance
 from forest_sim.hydraulics.tank_line import line_flow
 from forest_sim.mechanics.end_stop import cushion_resistance, end_stop_force
 from forest_sim.mechanics.friction import friction_force
+from forest_sim.midpoint.tank_step import tank_flow
 from forest_sim.solver.integrator import Simulation, ports_of
 
 RIGID = (NO_BENDING, NO_BENDING, NO_BENDING)
@@ -133,7 +133,7 @@ def _supply_power(
     state = simulation.plant
     pressure = state.supply.pressure
     drawn = swing.supply + boom.supply + stick.supply
-    seen = simulation.amid.tank.seen
+    seen = simulation.midpoint.tank.seen
     lost = seen * line_flow(seen, p.tank_line)
     taken_up = swing.returned + boom.returned + stick.returned - lost
     taken_up += swing.relieved + boom.relieved + stick.relieved

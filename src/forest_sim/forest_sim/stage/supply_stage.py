@@ -9,7 +9,6 @@ from typing import NamedTuple
 from forest_description.types import Vec3
 from forest_sim.equations.plant_parameters import PlantParameters
 from forest_sim.equations.valve_ports import Ports
-from forest_sim.half_step.load_sensing import load_weights
 from forest_sim.hydraulics.hydraulic_line import supply_coupling
 from forest_sim.hydraulics.pump_drive import PumpState
 from forest_sim.hydraulics.supply import (
@@ -23,6 +22,7 @@ from forest_sim.hydraulics.supply import (
     reference_gain,
 )
 from forest_sim.mechanics.manipulator import Pair
+from forest_sim.midpoint.load_sensing import load_weights
 from forest_sim.stage.axis_stage import AxisSolution
 
 SUPPLY_TOLERANCE = 1e3  # [Pa] of Newton's last correction of P_s

@@ -26,8 +26,15 @@ from forest_description.geometry.kinematics import tip_position
 from forest_description.hydraulics.valve_characteristic import Direction, ValveLaw
 from forest_description.machine import load_machine
 from forest_description.types import Floats, Vec3
-from forest_ident.diagnosis import limits, machine_numbers, monitor, readings, residuals, sensor_watch
-from forest_ident.diagnosis.readings import Learnt, Readings, Way
+from forest_ident.diagnosis import (
+    monitor,
+    monitor_readings,
+    residual_limits,
+    residual_parameters,
+    residuals,
+    sensor_watch,
+)
+from forest_ident.diagnosis.monitor_readings import Learnt, Readings, Way
 from forest_ident.diagnosis.sequential_test import score
 from forest_msgs_py.types import PERIOD
 from forest_sim.sensors import sensor_suite
@@ -42,7 +49,7 @@ NEAR, APPROACH = 0.03, 1.0  # [m] a place is reached; [1/s] speed per distance b
 LED = 5  # columns of a period's work: place, speed, what the hand does
 HELD, WORKS = 0.5, 0.9  # of the last column: from there the deadman is held; the levers are used
 SENSORS = 3 * residuals.COUNT  # the first of their columns, behind residuals, scores, references
-COLUMNS = SENSORS + readings.COUNT + 3  # and the tip
+COLUMNS = SENSORS + monitor_readings.COUNT + 3  # and the tip
 ARGUMENTS = "pppppppii"
 FROZEN, MISSING = 1.0, 2.0  # of a sensor's column
 Change = Callable[[Loop, Knowledge], tuple[Loop, Knowledge]]
@@ -156,7 +163,7 @@ def _examples() -> dict[str, Any]:
     settings = controller_settings.Settings(), valve_driver_parameters.Settings()
     k = loop_kernel.knowledge(machine, machine, *settings, suite)
     loop = loop_kernel.begin(k, (0.0, 0.5, -1.5), suite)
-    p = monitor.Parameters(machine_numbers.parameters(machine), limits.LIMITS)
+    p = monitor.Parameters(residual_parameters.parameters(machine), residual_limits.LIMITS)
     return {"loop": loop, "knowledge": k, "state": monitor.BEGIN, "parameters": (p, Hand(1.0))}
 
 
@@ -173,7 +180,7 @@ def _entry() -> Entry:
 def _text(names: dict[str, Any]) -> str:
     """Return the kernel's source; names takes the types of what it makes."""
     given = _examples()
-    n, m, line = residuals.COUNT, readings.COUNT, 12 * " "
+    n, m, line = residuals.COUNT, monitor_readings.COUNT, 12 * " "
     state, watch = given["loop"], given["state"]
     lines = [
         "def kernel(state, knowledge, monitor, told, work, normals, recorded, begin, end):",

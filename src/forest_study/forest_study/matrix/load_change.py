@@ -4,7 +4,7 @@ import numpy as np
 
 from forest_description.derived.limits import pose_at
 from forest_description.machine import Machine
-from forest_description.mechanics.manipulator import Manipulator
+from forest_description.mechanics.manipulator_parameters import Manipulator
 from forest_description.types import Floats
 from forest_msgs_py.types import PERIOD
 from forest_sim.equations.plant_parameters import PlantParameters
