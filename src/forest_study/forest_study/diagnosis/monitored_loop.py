@@ -51,6 +51,9 @@ HELD, WORKS = 0.5, 0.9  # of the last column: from there the deadman is held; th
 SENSORS = 3 * residuals.COUNT  # the first of their columns, behind residuals, scores, references
 COLUMNS = SENSORS + monitor_readings.COUNT + 3  # and the tip
 ARGUMENTS = "pppppppii"
+# Where the channels of a kind begin.
+FLOWS, SPOOLS = sensor_suite.PLACES["flow_meter"].start, sensor_suite.PLACES["spool_sensor"].start
+CASE_DRAIN, TANK = sensor_suite.PLACES["case_drain"].start, sensor_suite.PLACES["thermocouple"].start
 FROZEN, MISSING = 1.0, 2.0  # of a sensor's column
 Change = Callable[[Loop, Knowledge], tuple[Loop, Knowledge]]
 
@@ -86,10 +89,10 @@ def read(
         lengths=(seen.actuators.position[1], seen.actuators.position[2]),
         pressures=seen.pressures,
         supply=seen.supply_pressure,
-        spools=seen.spools,
-        flows=(seen.flows[0], seen.flows[1]),
-        case_drain=seen.case_drain_flow,
-        temperature=seen.temperatures[0],
+        spools=(seen.readings[SPOOLS], seen.readings[SPOOLS + 1], seen.readings[SPOOLS + 2]),
+        flows=(seen.readings[FLOWS], seen.readings[FLOWS + 1]),
+        case_drain=seen.readings[CASE_DRAIN],
+        temperature=seen.readings[TANK],
         valves=(
             _learnt(axes[0].valve, one.forward, one.backward),
             _learnt(axes[1].valve, two.forward, two.backward),
