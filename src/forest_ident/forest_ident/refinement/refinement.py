@@ -59,13 +59,7 @@ def refine(
     if session.kind == "deadband":
         machine = with_directions(machine, f"{session.own_axis}.valve")
     unknowns = [*_unknowns(machine, session, work), *_start_pressures(machine, session, work, known)]
-    sensed = dataclasses.replace(machine, sensors=test_rig.meters(machine)) if session.on_rig else machine
-    channels = noise_model.channels(sensed, session, work.channels)
-    if not channels:
-        wanted = ", ".join(work.channels)
-        raise SessionError(
-            f"{session.name}: no sensor reads all the time and moves; it takes one of {wanted}"
-        )
+    channels = _channels(machine, session, work)
     # Static errors stay, the noise of the means that a session starts from is its own.
     noise = {name: noise_model.start_noise(machine, session, name) for name in ANGLES}
     corrected = calibration.corrected(session, machine)
@@ -91,6 +85,22 @@ def refine(
     )
     rounded = extension_keys.rounding(done.values)
     return work, done._replace(posterior=widened(done.posterior, rounded))
+
+
+def _channels(machine: Machine, session: Session, work: Task) -> list[Channel]:
+    """Return the channels that count.
+
+    Raises:
+        SessionError: there is none.
+    """
+    sensed = dataclasses.replace(machine, sensors=test_rig.meters(machine)) if session.on_rig else machine
+    channels = noise_model.channels(sensed, session, work.channels)
+    if not channels:
+        wanted = ", ".join(work.channels)
+        raise SessionError(
+            f"{session.name}: no sensor reads all the time and moves; it takes one of {wanted}"
+        )
+    return channels
 
 
 def _measured(session: Session, channels: Sequence[Channel]) -> Columns:
