@@ -105,8 +105,8 @@ def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(prog=PROGRAM, description="Study machine and control together.")
     commands = parser.add_subparsers(title="commands", required=True, metavar="COMMAND")
     for name, study, text in COMMANDS:
-        command = commands.add_parser(name, help=text, description=text[0].upper() + text[1:] + ".")
-        command.set_defaults(command=_run, name=name, study=study)
+        command = command_line.subcommand(commands, name, text, _run)
+        command.set_defaults(name=name, study=study)
         command.add_argument(
             "--out", type=Path, required=True, metavar="DIR", help="directory to be made, or empty"
         )

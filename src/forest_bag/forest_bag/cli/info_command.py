@@ -9,16 +9,16 @@ from typing import Any
 from forest_bag.read.bag_reader import BagReader
 from forest_bag.read.survey import Survey, TopicInfo, survey
 from forest_bag.storage.raw_messages import BagFile
+from forest_msgs_py.runtime.command_line import Subcommands, subcommand
 from forest_msgs_py.types import NS_PER_S
 
 EPOCH_NS = 10**17  # log times below are simulated time, not a date
 
 
-def add_parser(verbs: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
+def add_parser(verbs: Subcommands) -> None:
     """Add the verb and its flags."""
     text = "tell what is in a bag: topics, QoS, gaps, losses, files, events, attachments"
-    parser = verbs.add_parser("info", help=text, description=text.capitalize() + ".")
-    parser.set_defaults(command=run)
+    parser = subcommand(verbs, "info", text, run)
     parser.add_argument("bag", type=Path, metavar="BAG", help="a directory, .mcap or .db3, damaged or not")
     parser.add_argument("--json", action="store_true", help="for programs; times in ns")
 

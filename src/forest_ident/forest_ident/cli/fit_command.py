@@ -7,7 +7,6 @@ import time
 from collections.abc import Mapping, Sequence
 from itertools import combinations
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
@@ -23,16 +22,15 @@ from forest_ident.refinement.result import Result, unidentified
 from forest_ident.report import machine_writer
 from forest_ident.validation import prediction_error
 from forest_ident.validation.verdict import verdict
-from forest_msgs_py.runtime.command_line import StatusLine
+from forest_msgs_py.runtime.command_line import StatusLine, Subcommands, subcommand
 
 WIDTH = 30  # characters of the progress bar
 
 
-def add_parser(verbs: Any) -> None:
+def add_parser(verbs: Subcommands) -> None:
     """Name the verb's flags."""
     text = "estimate a machine's parameters from bags, with their uncertainty"
-    parser = verbs.add_parser("fit", help=text, description=text[0].upper() + text[1:] + ".")
-    parser.set_defaults(command=run)
+    parser = subcommand(verbs, "fit", text, run)
     parser.add_argument("bags", nargs="+", type=Path, metavar="BAG", help="a bag, or a directory of bags")
     parser.add_argument("--start", default="c180_hoses", metavar="NAME|FILE", help="default: %(default)s")
     parser.add_argument("--out", type=Path, required=True, metavar="FILE.yaml", help="identified machine")

@@ -9,9 +9,8 @@ import contextlib
 import math
 import signal
 import sys
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from pathlib import Path
-from typing import TypeAlias
 
 from forest_description.config.parameter import MachineError
 from forest_description.config.source_tree import shipped_machines
@@ -19,14 +18,13 @@ from forest_description.derived.temperature import at_temperature
 from forest_description.machine import Machine, load_machine
 from forest_description.types import AXES, Vec3
 from forest_msgs_py.runtime import command_line
-from forest_msgs_py.runtime.command_line import number, whole
+from forest_msgs_py.runtime.command_line import Command, Subcommands, number, subcommand, whole
 from forest_sim.simulation import voltage_profiles
 from forest_sim.simulation.load import Loads, parse_loads
 from forest_sim.simulation.open_loop import Run, RunError, require_within_limits, start_angles
 from forest_sim.simulation.voltage_profiles import InputError, Voltages
 
 PROGRAM = "forest-sim"
-Commands: TypeAlias = "argparse._SubParsersAction[argparse.ArgumentParser]"
 ZERO_CELSIUS = 273.15  # [K]
 LONGEST = 7.0 * 86400.0  # [s]
 EPILOGUE = (
@@ -77,15 +75,13 @@ def _parser() -> argparse.ArgumentParser:
 
 
 def _command(
-    commands: Commands,
+    commands: Subcommands,
     name: str,
-    function: Callable[[argparse.Namespace], int],
+    function: Command,
     text: str,
 ) -> argparse.ArgumentParser:
-    parser = commands.add_parser(
-        name, help=text, description=text[0].upper() + text[1:] + ".", epilog=EPILOGUE
-    )
-    parser.set_defaults(command=function, parser=parser)
+    parser = subcommand(commands, name, text, function, EPILOGUE)
+    parser.set_defaults(parser=parser)
     if name not in ("check", "compare"):
         parser.add_argument("--machine", default="c180", metavar="NAME|FILE", help="default: %(default)s")
     celsius = number(-60.0, 200.0, "degC")
@@ -95,7 +91,7 @@ def _command(
     return parser
 
 
-def _add_simulate(commands: Commands) -> None:
+def _add_simulate(commands: Subcommands) -> None:
     simulate = _command(commands, "simulate", _simulate, "run a machine over an input: MCAP, CSV, pictures")
     _add_run(simulate)
     simulate.add_argument(
@@ -124,7 +120,7 @@ def _add_simulate(commands: Commands) -> None:
     )
 
 
-def _add_modes(commands: Commands) -> None:
+def _add_modes(commands: Subcommands) -> None:
     modes = _command(
         commands, "modes", _modes, "natural frequencies and damping at a pose or over the workspace"
     )
@@ -143,7 +139,7 @@ def _add_modes(commands: Commands) -> None:
     modes.add_argument("--out", type=Path, metavar="DIR", help="directory to be made for the map")
 
 
-def _add_export(commands: Commands) -> None:
+def _add_export(commands: Subcommands) -> None:
     exported = commands.add_parser(
         "export",
         help="a machine as an FMU, for Simulink, Amesim, OpenModelica and others",
