@@ -22,7 +22,7 @@ from forest_description.geometry.kinematics import inverse_kinematics
 from forest_description.machine import load_machine
 from forest_msgs_py.types import PERIOD
 from forest_sim.equations.plant_parameters import plant_parameters
-from forest_study.closed_loop import loop_kernel, model_mismatch
+from forest_study.closed_loop import compiled_loop, loop_kernel, model_mismatch
 from forest_study.closed_loop.closed_loop import ClosedLoop
 from forest_study.tracking import tracking
 from forest_study.tracking.paths import NAMES, path_named
@@ -49,8 +49,8 @@ def compare(name: str, repeats: int) -> Row:
     start = inverse_kinematics(path_named(name).at(0.0), C180.manipulator.links)
     rows = np.ones((len(course.places) + 1, 4))
 
-    def given() -> loop_kernel.Prepared:
-        return loop_kernel.prepared(C180, rows, start, course.settings, DRIVE, suite=suite)
+    def given() -> compiled_loop.Prepared:
+        return compiled_loop.prepared(C180, rows, start, course.settings, DRIVE, suite=suite)
 
     whole = [_timed(lambda: given().lead(course.places, course.hand)) for _ in range(repeats)]
     prepared = given()
@@ -69,14 +69,14 @@ def compare(name: str, repeats: int) -> Row:
     }
 
 
-def interpreted(course: Course, start: tuple[float, float, float], suite: Any) -> loop_kernel.Led:
+def interpreted(course: Course, start: tuple[float, float, float], suite: Any) -> compiled_loop.Led:
     """Return the same run in Python; only the plant is compiled."""
     believed = (
         controller_settings.parameters(C180, course.settings),
         valve_driver_parameters.parameters(C180, DRIVE),
     )
     loop, links = ClosedLoop(plant_parameters(C180), *believed, start, suite), C180.manipulator.links
-    return loop_kernel.lead_interpreted(loop, links, course.places, course.hand, len(course.places) + 1)
+    return compiled_loop.lead_interpreted(loop, links, course.places, course.hand, len(course.places) + 1)
 
 
 def many(count: int) -> Row:

@@ -37,7 +37,7 @@ from forest_description.machine import Machine, load_machine
 from forest_ident.driving.simulated_experiment import experiment
 from forest_ident.experiments import experiment_plan
 from forest_ident.measurements.parameter_path import value_of, with_values
-from forest_ident.refinement import extension_keys, told_numbers
+from forest_ident.refinement import extension_keys, stated_numbers
 from forest_ident.refinement.identification import identify
 from forest_ident.refinement.refinement_task import INERTIAS, MASSES
 from forest_ident.refinement.result import value_in
@@ -73,7 +73,7 @@ def drawn(machine: Machine, generator: np.random.Generator) -> Machine:
 def drawn_with_told(machine: Machine, generator: np.random.Generator) -> Machine:
     """Return the machine with all drawn that a fit looks for, and with what a person tells as it may be."""
     wanted = (*DRAWN, *DAMPING, *extension_keys.of_machine(machine))
-    told = {key: sd for key, sd in told_numbers.errors(machine, {}).items() if key not in INERTIAS}
+    told = {key: sd for key, sd in stated_numbers.errors(machine, {}).items() if key not in INERTIAS}
     told |= {key: SCALE * value_of(machine, key) for key in MASSES}
     while True:
         values = {key: value_of(machine, key) * (1.0 + generator.uniform(-WITHIN, WITHIN)) for key in wanted}

@@ -42,7 +42,7 @@ from forest_msgs_py.types import PERIOD
 from forest_sim.equations.plant_parameters import PlantParameters, plant_parameters
 from forest_sim.sensors.sensor_readings import true_joints
 from forest_sim.solver.compiled_plant import compiled_advance
-from forest_study.closed_loop import loop_kernel
+from forest_study.closed_loop import compiled_loop
 from forest_study.closed_loop.closed_loop import ClosedLoop, Operator, Trajectory
 from forest_study.closed_loop.loop_core import SUBSTEPS
 from forest_study.closed_loop.model_mismatch import applied, draw
@@ -156,7 +156,7 @@ def run(machine: Machine, model: Machine, number: int, row: Row) -> tuple[Trajec
         settings._replace(scheme=row.scheme),
         valve_driver_parameters.Settings(),
     )
-    return loop_kernel.run(*given, model=model, suite=noisy(machine, number), plant=plant), done.released
+    return compiled_loop.run(*given, model=model, suite=noisy(machine, number), plant=plant), done.released
 
 
 def slammed(

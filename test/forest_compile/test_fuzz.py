@@ -33,7 +33,7 @@ from forest_sim.sensors import sensor_readings, sensor_run
 from forest_sim.sensors.sensor_suite import sensor_suite
 from forest_sim.solver import compiled_plant, integrator
 from forest_sim.solver.equilibrium import equilibrium
-from forest_study.closed_loop import loop_core, loop_kernel
+from forest_study.closed_loop import compiled_loop, loop_core, loop_kernel
 
 STATES = int(os.environ.get("FUZZ_STATES", "30"))
 COUNT = int(os.environ.get("FUZZ_LAWS", "25"))
@@ -236,8 +236,8 @@ def test_the_loop_at_random_states_is_pythons_to_the_last_bit():
     def machine_law(given):
         loop, levers, normals = given
         rows = np.array([levers]), np.array([normals])
-        state, knowledge = loop_kernel._pack("loop", loop), loop_kernel._pack("knowledge", k)
-        _, *columns = loop_kernel.Prepared(state, knowledge, *rows).run()
+        state, knowledge = loop_kernel.pack("loop", loop), loop_kernel.pack("knowledge", k)
+        _, *columns = compiled_loop.Prepared(state, knowledge, *rows).run()
         return loop_core.Happened(*(tuple(column[0]) for column in columns))
 
     assert counted(law, machine_law, draws()) > 0.8 * STATES

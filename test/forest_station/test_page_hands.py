@@ -9,7 +9,7 @@ from playwright.sync_api import Browser
 
 from forest_control.operator.levers import AXIS_COUNT, LEFT_SHOULDER, LEFT_X, LEFT_Y, RIGHT_Y
 from forest_msgs_py.interfaces.topics import JOY_AXES
-from forest_station.operator.hands import Hands
+from forest_station.operator.hands_message import Hands
 
 RIGHT_X = JOY_AXES.index("right_x")
 CENTRED = (0.0,) * AXIS_COUNT

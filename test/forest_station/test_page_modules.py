@@ -16,7 +16,7 @@ from forest_control.servo.schemes import Scheme
 from forest_control.valve import command_gate
 from forest_description.types import AXES
 from forest_msgs_py.interfaces.topics import JOY_AXES, JOY_BUTTONS
-from forest_station.operator.hands import Hands, decode_hands, encode_hands
+from forest_station.operator.hands_message import Hands, decode_hands, encode_hands
 
 
 def test_axes_and_buttons_have_the_names_and_the_order_of_joy(js: Js) -> None:

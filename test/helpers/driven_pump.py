@@ -5,7 +5,7 @@ import dataclasses
 from full_machine import PUMPS, with_pump
 
 from forest_description.hydraulics.pump import Engine
-from forest_description.hydraulics.tank_line import TankLine
+from forest_description.hydraulics.tank_line_parameters import TankLine
 from forest_description.machine import Machine, load_machine
 
 UP, DOWN = 0.03, 0.02

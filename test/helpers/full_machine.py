@@ -17,7 +17,7 @@ from forest_description.hydraulics.pump import (
 from forest_description.hydraulics.valve_parameters import BackwardValve, TableCurve
 from forest_description.machine import Machine, load_machine
 from forest_description.mechanics.drives import Backlash, BearingFriction, Cushion, Friction
-from forest_description.mechanics.elasticity import Elasticity
+from forest_description.mechanics.elasticity_parameters import Elasticity
 from forest_description.mechanics.load import Log, Pendulum
 from forest_sim.analysis.modes import states
 from forest_sim.equations.drive import DriveState

@@ -32,7 +32,7 @@ from forest_msgs_py.serialization.cdr import CdrError, cdr_type, to_cdr
 from forest_msgs_py.serialization.packing import pack_joy
 from forest_msgs_py.serialization.unpacking import ArrayReader, JointReader, read_joy_data
 from forest_sim.simulation.voltage_profiles import InputError, read_voltages
-from forest_station.operator.hands import Hands, HandsError, decode_hands, encode_hands
+from forest_station.operator.hands_message import Hands, HandsError, decode_hands, encode_hands
 from forest_station.server.requests import read_request
 
 LONGEST = 1.0  # [s] of processor for an input

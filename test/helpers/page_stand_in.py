@@ -13,7 +13,7 @@ from typing import Any
 
 from playwright.sync_api import Page, Route, WebSocketRoute
 
-from forest_station.operator.hands import Hands, decode_hands
+from forest_station.operator.hands_message import Hands, decode_hands
 
 WEB = Path(str(importlib.resources.files("forest_station") / "web"))
 ADDRESS = "http://station.test"

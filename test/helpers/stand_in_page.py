@@ -18,7 +18,7 @@ from typing import Any
 
 import aiohttp
 
-from forest_station.operator.hands import Hands, encode_hands
+from forest_station.operator.hands_message import Hands, encode_hands
 
 PERIOD = 0.02  # [s]
 FRAME_HEAD = 16  # bytes

@@ -18,13 +18,13 @@ from forest_description.geometry.linkage import Linkage
 from forest_description.hydraulics.hose import GeometricHose, Hose, Line, MeasuredHose
 from forest_description.hydraulics.oil import Oil
 from forest_description.hydraulics.pump import IdealPump, LoadSensingPump, Pump
-from forest_description.hydraulics.tank_line import TankLine
+from forest_description.hydraulics.tank_line_parameters import TankLine
 from forest_description.hydraulics.valve_parameters import PortValves, Valve
 from forest_description.mechanics.chassis import Chassis
 from forest_description.mechanics.drives import CylinderDrive, SwingDrive
 from forest_description.mechanics.end_stops import EndStops
 from forest_description.mechanics.lifting_capacity import LiftingCapacity
-from forest_description.mechanics.manipulator import Manipulator
+from forest_description.mechanics.manipulator_parameters import Manipulator
 from forest_description.sensors.sensor_kinds import Sensors
 from forest_description.types import AXES
 

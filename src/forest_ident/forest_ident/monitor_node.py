@@ -13,10 +13,10 @@ from rclpy.node import Node
 
 from forest_description.machine import load_machine
 from forest_description.types import AXES
-from forest_ident.diagnosis import machine_numbers, monitor, recorded
+from forest_ident.diagnosis import monitor, recorded_readings, residual_parameters
 from forest_ident.diagnosis.findings import MACHINE, SENSORS, alarms, findings
-from forest_ident.diagnosis.limits import LIMITS
 from forest_ident.diagnosis.monitor_parameters import MonitorParameters
+from forest_ident.diagnosis.residual_limits import LIMITS
 from forest_ident.diagnosis.residuals import NAMES
 from forest_ident.diagnosis.sequential_test import score
 from forest_msgs_py.clock.node_clock import node_clock
@@ -40,13 +40,13 @@ class MonitorNode(Node):
         self.run = clock.run
         machine = load_machine(declare(self, MachineParameter).machine)
         p = declare(self, MonitorParameters)
-        self._core = monitor.Parameters(machine_numbers.parameters(machine), LIMITS)
+        self._core = monitor.Parameters(residual_parameters.parameters(machine), LIMITS)
         self._state = monitor.BEGIN
         said = clock.publisher(topics.DIAGNOSTICS)
         self._diagnostics = Diagnostics(self, PARTS, "the machine is watched on", said)
         self._diagnostics.watch(PARTS[0], values=self._values)
         timeouts = defaultdict(lambda: p.timeout, {topics.VALVE_DRIVER_STATUS: p.slow_timeout})
-        others = [part for part in recorded.PARTS if part[0] is not topics.JOINT_STATES]
+        others = [part for part in recorded_readings.PARTS if part[0] is not topics.JOINT_STATES]
         self._topics = SampledTopics(
             clock,
             {topic: Wanted(labels, timeouts[topic]) for topic, labels in others},
@@ -58,9 +58,9 @@ class MonitorNode(Node):
 
     def _step(self, joints: JointValues, dt: float) -> None:
         row: list[float] = []
-        for topic, _ in recorded.PARTS:
+        for topic, _ in recorded_readings.PARTS:
             row += joints.position if topic is topics.JOINT_STATES else self._topics.newest(topic)
-        self._state = monitor.step(self._state, recorded.readings_of(row), self._core, dt)
+        self._state = monitor.step(self._state, recorded_readings.readings_of(row), self._core, dt)
 
     def _tell(self, stamp: int) -> None:
         told: dict[str, list[str]] = {part: [] for part in PARTS}

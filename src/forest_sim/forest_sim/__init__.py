@@ -6,7 +6,8 @@ In the order in which data passes:
 - `mechanics`: Laws of the links, how they bend, the hanging head, gear, dry friction and end stops.
 - `equations`: The equations of motion: states, constants, links and drive, put together from the
   parts' laws.
-- `half_step`: What a step knows of its middle: poppets, compensators, flow forces, the tank line.
+- `midpoint`: What is known at the midpoint of a step (leapfrog): poppets, compensators, flow forces,
+  the tank line.
 - `stage`: One implicit stage of the equations of motion: hoses exactly, the rest by Newton.
 - `solver`: Steps in time, of two stages and second order, interpreted or compiled.
 - `sensors`: What the machine's sensors report of its true state.

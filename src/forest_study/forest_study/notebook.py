@@ -29,7 +29,7 @@ from forest_description.types import AXES, Floats, Vec3
 from forest_msgs_py.interfaces.topics import PRESSURES
 from forest_msgs_py.types import PERIOD
 from forest_sim.sensors.sensor_suite import Suite, sensor_suite
-from forest_study.closed_loop import loop_kernel, model_mismatch
+from forest_study.closed_loop import compiled_loop, model_mismatch
 from forest_study.closed_loop.closed_loop import Trajectory
 from forest_study.closed_loop.model_mismatch import Ranges
 from forest_study.sweep.changes import changed_settings
@@ -205,7 +205,7 @@ class Loop:
         at = start_tip(self.machine) if start is None else (start[0], start[1], start[2])
         held, pose = np.tile(np.array([0.0, 0.0, 0.0, 1.0]), (rows, 1)), pose_at(at, self.machine)
         given = self.machine, held, pose, self.settings, self.driver, self.model
-        session = loop_kernel.Session(loop_kernel.prepared(*given, self._suite(seed), self._plant(seed)))
+        session = compiled_loop.Session(compiled_loop.prepared(*given, self._suite(seed), self._plant(seed)))
         seen = Now(0.0, pose, tip_position(pose, self.machine.manipulator.links))
         for row in range(rows):
             session.levers[row, :3] = _deflections(operator(seen), row)

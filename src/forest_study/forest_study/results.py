@@ -4,6 +4,8 @@ import json
 from pathlib import Path
 from typing import Any
 
+from forest_compile.kernel_cache import can_compile
+
 
 class StudyError(Exception):
     """A study cannot be made; the message is one sentence for the user."""
@@ -19,6 +21,20 @@ def new_directory(out: Path) -> None:
     out.mkdir(parents=True, exist_ok=True)
     if any(out.iterdir()):
         raise StudyError(f"{out} is not empty; choose another --out or remove it")
+
+
+def require_llvm(study: str, extra: str = "fast") -> None:
+    """Refuse a study that would take days without machine code.
+
+    Args:
+        study: the subcommand.
+        extra: of this project's packages, that brings LLVM and what else the study needs.
+
+    Raises:
+        StudyError: LLVM is not installed.
+    """
+    if not can_compile():
+        raise StudyError(f"{study} needs LLVM, which is not installed: pip install 'forest-crane[{extra}]'")
 
 
 def write_json(path: Path, report: dict[str, Any]) -> None:

@@ -12,6 +12,7 @@ from pathlib import Path
 from forest_bag.storage.bag_files import BagError
 from forest_description.config.parameter import MachineError
 from forest_msgs_py.runtime import command_line
+from forest_msgs_py.runtime.command_line import subcommand
 from forest_viewers.recorded.bag_frames import with_frames
 
 PROGRAM = "forest-viewers"
@@ -27,14 +28,12 @@ def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(prog=PROGRAM, description="Open graph and bags in other tools.")
     verbs = parser.add_subparsers(title="verbs", required=True, metavar="VERB")
     text = "write a bag again with all joints and frames, to be dragged into Foxglove or Lichtblick"
-    frames = verbs.add_parser("frames", help=text, description=text.capitalize() + ".")
-    frames.set_defaults(command=_frames)
+    frames = subcommand(verbs, "frames", text, _frames)
     frames.add_argument("bag", type=Path, help="a bag's directory, or a file of it; it is left as it is")
     frames.add_argument("-o", "--output", type=Path, required=True, metavar="DIR", help="to be made")
     frames.add_argument("--machine", default="", help="shipped machine, or file (default: as the bag's URDF)")
     text = "print where the layouts and the other tools' files are"
-    layouts = verbs.add_parser("layouts", help=text, description=text.capitalize() + ".")
-    layouts.set_defaults(command=_layouts)
+    subcommand(verbs, "layouts", text, _layouts)
     return parser
 
 

@@ -99,13 +99,13 @@ def at(joint, value, others=0.0):
 @every_joint
 def test_a_rate_counts_behind_its_low_pass_once_a_joint_was_told_for_half_a_second(joint):
     before = Answers(
-        told=(0.05, 0.05, 0.05), gone=(0.02, 0.02, 0.02), times=(0.6, 0.6, 0.6), squares=(1e-3,) * 3
+        commanded=(0.05, 0.05, 0.05), measured=(0.02, 0.02, 0.02), times=(0.6, 0.6, 0.6), squares=(1e-3,) * 3
     )
     u, v = (0.1, 0.2, 0.3), (0.021, 0.015, 0.01)
     told = 0.05 + (1.0 - math.exp(-PERIOD / (0.2 + LAGS[joint]))) * (u[joint] - 0.05)
     gone = 0.02 + (1.0 - math.exp(-PERIOD / 0.2)) * (v[joint] - 0.02)
     found = answered(before, Q, u, v, UNREAD, LAGGING, PERIOD)
-    sums = (found.told, found.gone, found.times, found.squares, found.products, found.responses)
+    sums = (found.commanded, found.measured, found.times, found.squares, found.products, found.responses)
     wanted = (told, gone, 0.6 + PERIOD, 1e-3 + told**2 * PERIOD, told * gone * PERIOD, gone**2 * PERIOD)
     assert [of[joint] for of in sums] == pytest.approx(wanted, rel=1e-9)
 
@@ -117,16 +117,16 @@ def test_a_rate_counts_behind_its_low_pass_once_a_joint_was_told_for_half_a_seco
         ({}, True),
         ({"times": 0.499}, False),
         ({"times": 0.501}, True),
-        ({"gone": -0.02}, False),  # it goes back
+        ({"measured": -0.02}, False),  # it goes back
         ({"squares": 8.1e-3}, True),
         ({"squares": 8.1e-3, "responses": 7.9e-3}, True),
         ({"squares": 8.1e-3, "responses": 8.1e-3}, False),  # it has proven right
     ],
 )
 def test_what_does_not_count_leaves_the_sums_as_they_were(joint, changed, counts):
-    told = {"told": 0.05, "gone": 0.02, "times": 2.0, **changed}
+    told = {"commanded": 0.05, "measured": 0.02, "times": 2.0, **changed}
     before = Answers(**{name: at(joint, value) for name, value in told.items()})
-    u, v = at(joint, before.told[joint]), at(joint, before.gone[joint])
+    u, v = at(joint, before.commanded[joint]), at(joint, before.measured[joint])
     found = answered(before, Q, u, v, UNREAD, P, PERIOD)
     assert (found.squares[joint] > before.squares[joint]) == counts
 
@@ -150,7 +150,7 @@ def test_a_swing_that_takes_two_seconds_to_its_speed_is_not_called_slow(joint, s
 )
 def test_a_joint_is_told_for_as_long_as_it_is_told_one_way(joint, told, wish, time):
     found = answered(
-        Answers(told=at(joint, told), times=(1.0, 1.0, 1.0)), Q, at(joint, wish), ZERO, UNREAD, P, PERIOD
+        Answers(commanded=at(joint, told), times=(1.0, 1.0, 1.0)), Q, at(joint, wish), ZERO, UNREAD, P, PERIOD
     )
     assert found.times[joint] == pytest.approx(time)
 

@@ -19,7 +19,7 @@ from forest_control.safety.motion_permission import (
     Verdict,
     armed_watch,
     decide,
-    unwatched,
+    reset_sensor_watch,
 )
 from forest_description.machine import load_machine
 from forest_description.types import ZERO
@@ -184,7 +184,7 @@ def test_what_has_stopped_the_crane_is_forgotten_once_a_person_has_acted(rig, na
     set_to(**well)(rig)
     rig.step += 1
     if name == "sensors frozen":
-        rig.guard.permission = unwatched(rig.guard.permission)  # as the controller does that stops
+        rig.guard.permission = reset_sensor_watch(rig.guard.permission)  # as the controller does that stops
     again = rig.once()
     if name in REFUSED:
         assert again.verdict == Verdict.MOVE

@@ -14,7 +14,7 @@ from forest_control.servo.swing_feedforward import inertia, swing_model
 from forest_control.valve.valve_driver_parameters import axis_drivers
 from forest_description.derived.limits import joint_limits
 from forest_description.machine import load_machine
-from forest_description.mechanics.elasticity import Elasticity
+from forest_description.mechanics.elasticity_parameters import Elasticity
 from forest_sim.equations.plant_parameters import plant_parameters
 from forest_sim.mechanics.manipulator import dynamics, fold_head
 from forest_sim.simulation.load import Load, loaded

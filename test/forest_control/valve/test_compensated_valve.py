@@ -12,7 +12,7 @@ from forest_control.valve.valve_driver_parameters import Settings, parameters
 from forest_control.valve.valve_inverse import required_opening
 from forest_description.derived.actuator_kinematics import displacements, metering_drop, rated_speeds
 from forest_description.geometry.linkage import lever_arm
-from forest_description.hydraulics.compensator import CompensatorBeforeSpool
+from forest_description.hydraulics.compensator_parameters import CompensatorBeforeSpool
 from forest_description.machine import load_machine
 
 FORWARDER = load_machine("forwarder")

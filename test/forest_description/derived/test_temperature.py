@@ -7,7 +7,7 @@ import pytest
 from forest_description.config.parameter import MachineError
 from forest_description.derived.temperature import at_temperature
 from forest_description.hydraulics.hose import BLASIUS, GeometricHose
-from forest_description.hydraulics.load_holding import RuptureValve
+from forest_description.hydraulics.load_holding_parameters import RuptureValve
 from forest_description.hydraulics.valve_parameters import BackwardValve
 from forest_description.machine import load_machine
 from forest_description.mechanics.drives import Cushion

@@ -1,13 +1,13 @@
 import pytest
 
 from forest_description.machine import load_machine
-from forest_ident.diagnosis import machine_numbers, monitor
+from forest_ident.diagnosis import monitor, residual_parameters
 from forest_ident.diagnosis.findings import Alarms, alarms, findings
-from forest_ident.diagnosis.limits import LIMITS
+from forest_ident.diagnosis.residual_limits import LIMITS
 from forest_ident.diagnosis.residuals import NAMES
 from forest_ident.diagnosis.signatures import CAUSES
 
-P = monitor.Parameters(machine_numbers.parameters(load_machine("c180")), LIMITS)
+P = monitor.Parameters(residual_parameters.parameters(load_machine("c180")), LIMITS)
 
 
 def named(residuals=None, **others):

@@ -7,13 +7,13 @@ import pytest
 
 from forest_description.geometry.linkage import joint_angle
 from forest_description.machine import load_machine
-from forest_ident.diagnosis import machine_numbers
-from forest_ident.diagnosis.machine_numbers import full_speed
-from forest_ident.diagnosis.readings import Learnt, Readings, Way
+from forest_ident.diagnosis import residual_parameters
+from forest_ident.diagnosis.monitor_readings import Learnt, Readings, Way
+from forest_ident.diagnosis.residual_parameters import full_speed
 from forest_ident.diagnosis.residuals import NAMES, Residuals, updated
 
 MACHINE = load_machine("c180_hoses")
-P = machine_numbers.parameters(MACHINE)
+P = residual_parameters.parameters(MACHINE)
 PERIOD = 0.005
 BOOM, STICK = MACHINE.boom, MACHINE.stick
 LENGTHS = 1.75, 2.1  # [m]
@@ -153,7 +153,7 @@ def test_a_meter_is_told_by_the_logarithm_of_what_it_reads_too_much():
 
 
 def test_a_port_behind_a_load_holding_valve_is_not_compared():
-    numbers = machine_numbers.parameters(load_machine("c180"))
+    numbers = residual_parameters.parameters(load_machine("c180"))
     assert (numbers.axes[1].one.is_open, numbers.axes[1].two.is_open) == (0, 1)
 
 

@@ -38,7 +38,7 @@ def test_a_bench_is_judged_by_its_own_meters(loader, valve):
 
 
 def test_a_load_sensing_pump_is_sought_by_its_margin(loader, valve):
-    """No experiment loads it up to the pressure that it keeps at most: that stays as told, and it is said."""
+    """No experiment loads it up to the pressure that it keeps at most: that stays as stated, and is said."""
     free = refinement_task.task(loader, valve).free
     assert "pump.margin" in free
     assert "pump.supply_pressure" not in free

@@ -70,7 +70,7 @@ def test_a_fit_takes_them_with_their_errors_in_place_of_what_was_told():
     found = identify(TOLD, [swept()], refine=False)
     assert found.machine.boom.pivot_to_base == pytest.approx(TRUE.boom.pivot_to_base, abs=3e-4)
     assert set(KEYS) <= set(found.estimates)
-    assert found.told["boom.pivot_to_base"] < 3e-4
+    assert found.stated["boom.pivot_to_base"] < 3e-4
 
 
 def test_a_person_who_told_them_more_closely_is_believed():

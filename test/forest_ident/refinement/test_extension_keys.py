@@ -73,7 +73,7 @@ def test_what_no_record_tells_is_said_with_the_motion_that_would():
     built = load_machine("c180")
     said = dict(unidentified(Result(built, built)))
     assert "turned round" in said["swing.backlash.free_way"]
-    assert "taken as told" in said["boom.elasticity.stiffness"]
+    assert "taken as stated" in said["boom.elasticity.stiffness"]
     plain = load_machine("c180_hoses")
     left = dict(unidentified(Result(plain, plain)))
     assert not [key for key in left if "elasticity" in key or "friction" in key]

@@ -97,7 +97,7 @@ def test_data_that_cannot_tell_say_so_and_which_motion_would():
 
 
 def told_by_records(monkeypatch, slopes):
-    """Return what two records of the swing tell, the later one's damping with a told number's move."""
+    """Return what two records of the swing tell, the later one's damping with a stated number's move."""
     volts = np.zeros((100, 3))
     volts[50:, 0] = 4.0
     records = [

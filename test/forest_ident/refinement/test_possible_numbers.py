@@ -31,7 +31,7 @@ def test_an_estimate_out_of_its_range_is_a_remark_and_the_rest_stays():
     assert result.impossible == ["boom.damping"]
     (remark,) = result.remarks
     assert "boom.damping: found 1e+17, which is impossible (outside 0 .. 1e+08 N*s/m)" in remark
-    assert "is kept as told; it takes the axis at several steady speeds" in remark
+    assert "is kept as stated; it takes the axis at several steady speeds" in remark
 
 
 def test_an_estimate_that_contradicts_the_rest_of_the_machine_is_a_remark_and_the_rest_stays():

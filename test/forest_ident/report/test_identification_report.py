@@ -46,7 +46,7 @@ def test_a_sensor_has_an_offset_and_no_gain_that_was_not_estimated(page):
 
 def test_text_is_escaped_and_missing_records_are_said(page):
     assert '<p class="warning">a remark with &lt;b&gt; &amp; more</p>' in page
-    assert "hose.inertance: as told; it takes steps of flow" in page
+    assert "hose.inertance: as stated; it takes steps of flow" in page
     assert "Nothing was held out" in page
     assert "<link" not in page
     assert "<script" not in page

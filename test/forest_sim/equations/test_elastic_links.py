@@ -13,7 +13,7 @@ from scipy.optimize import brentq
 from forest_description.geometry.kinematics import tip_position
 from forest_description.geometry.linkage import lever_arm
 from forest_description.machine import load_machine
-from forest_description.mechanics.elasticity import Elasticity
+from forest_description.mechanics.elasticity_parameters import Elasticity
 from forest_msgs_py.interfaces import topics
 from forest_sim.analysis.modes import modes
 from forest_sim.equations.elastic_links import RIGID_ROOTS

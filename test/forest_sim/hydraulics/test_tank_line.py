@@ -10,7 +10,7 @@ from forest_sim.hydraulics.tank_line import (
     TankState,
     line_flow,
     pressure_after,
-    pressure_amid,
+    pressure_at_midpoint,
     return_line,
 )
 
@@ -22,8 +22,8 @@ def steady(flow):
 
 
 def after(pressure, flow, step):
-    amid = pressure_amid(TankState(pressure, pressure), flow, 0.0, step, LINE)
-    return pressure_after(TankState(pressure, amid), flow, step, LINE).pressure
+    midpoint = pressure_at_midpoint(TankState(pressure, pressure), flow, 0.0, step, LINE)
+    return pressure_after(TankState(pressure, midpoint), flow, step, LINE).pressure
 
 
 @pytest.mark.parametrize("flow", [1e-4, 1e-3, 4e-3])
@@ -36,9 +36,9 @@ def test_it_settles_where_it_passes_what_comes(flow):
 
 
 def test_a_long_step_sees_the_steady_pressure_and_open_port_valves_do_not_change_it():
-    assert pressure_amid(DRAINED, 2e-3, 0.0, 1e6, LINE) == pytest.approx(steady(2e-3), rel=1e-6)
+    assert pressure_at_midpoint(DRAINED, 2e-3, 0.0, 1e6, LINE) == pytest.approx(steady(2e-3), rel=1e-6)
     settled = TankState(steady(2e-3), steady(2e-3))
-    assert pressure_amid(settled, 2e-3, 1e-7, 1e-3, LINE) == pytest.approx(steady(2e-3), rel=1e-12)
+    assert pressure_at_midpoint(settled, 2e-3, 1e-7, 1e-3, LINE) == pytest.approx(steady(2e-3), rel=1e-12)
 
 
 def test_it_holds_its_preload_and_is_never_drawn_empty():
@@ -49,7 +49,7 @@ def test_it_holds_its_preload_and_is_never_drawn_empty():
 
 
 def test_what_comes_and_does_not_go_on_stays_in_it():
-    """C dP_t is what the valves return over the step less what the line passes at its pressure amid."""
+    """C dP_t is what the valves return over the step less what the line passes at its pressure midpoint."""
     state = TankState(2.5e5, 2.6e5)
     stored = LINE.capacitance * (pressure_after(state, 3e-3, 1e-3, LINE).pressure - 2.5e5)
     assert stored == pytest.approx(1e-3 * (3e-3 - (0.6e5 / 4.5e10) ** 0.5), rel=1e-12)
@@ -64,7 +64,7 @@ def test_what_port_valves_take_too_much_is_owed_and_made_good():
     assert back.pressure == pytest.approx(1e4, rel=1e-9)
     assert back.owed == 0.0
     assert pressure_after(TankState(1e4, 0.0), -1e-3, 1e-3, LINE) == TankState(0.0, 0.0)
-    assert pressure_amid(taken, 0.0, 0.0, 1e-3, LINE) == 0.0
+    assert pressure_at_midpoint(taken, 0.0, 0.0, 1e-3, LINE) == 0.0
 
 
 def test_its_rise_is_that_of_an_independent_integration_with_second_order():

@@ -8,7 +8,7 @@ import pytest
 from full_machine import advance
 
 from forest_description.derived.bodies import with_log
-from forest_description.hydraulics.compensator import CompensatorAfterSpool, CompensatorBeforeSpool
+from forest_description.hydraulics.compensator_parameters import CompensatorAfterSpool, CompensatorBeforeSpool
 from forest_description.hydraulics.valve_characteristic import edges
 from forest_description.machine import load_machine
 from forest_sim.equations.plant_parameters import plant_parameters
@@ -80,7 +80,7 @@ def test_a_pump_too_small_for_all_is_shared_in_proportion_to_the_openings():
             axis.pressure_1 + hose_drop(axis.flow_1, p.axes[i].oil_1) for i, axis in enumerate(axes)
         )
         left = supply.pressure - heaviest - AFTER.setting
-        kept = [left - AFTER.control_range * lifts.compensator for lifts in now.amid.lifts]
+        kept = [left - AFTER.control_range * lifts.compensator for lifts in now.midpoint.lifts]
         shared.append([edge * math.sqrt(drop) for edge, drop in zip(openings(now, m), kept, strict=True)])
         flows.append([axis.flow_1 for axis in axes])
     assert np.mean(flows, axis=0) == pytest.approx(np.mean(shared, axis=0), rel=0.02)

@@ -9,7 +9,7 @@ from full_machine import advance
 from forest_description.hydraulics.valve_characteristic import Direction
 from forest_description.machine import load_machine
 from forest_sim.equations.plant_parameters import plant_parameters
-from forest_sim.half_step.load_sensing import open_halves, open_share
+from forest_sim.midpoint.load_sensing import open_halves, open_share
 from forest_sim.solver.equilibrium import equilibrium
 
 MACHINES = ("c180_thesis", "c180_hoses", "c180", "forwarder", "loader")

@@ -112,7 +112,7 @@ def test_play_and_slew_limit_act_on_a_pushed_spool_as_on_any():
     assert now.spools[1].position <= 3.0 + 1e-9
     now = advance(now, (0.0, 6.0, 0.0), 1e-3, 700, p)
     assert now.spools[1].target == pytest.approx(5.8)
-    assert now.spools[1].position == pytest.approx(5.8 - now.amid.jets[1].force, abs=2e-3)
+    assert now.spools[1].position == pytest.approx(5.8 - now.midpoint.jets[1].force, abs=2e-3)
 
 
 def test_a_fast_spool_on_the_softest_spring_allowed_comes_to_rest():

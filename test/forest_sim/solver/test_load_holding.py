@@ -10,15 +10,19 @@ from held_volumes import HeldVolumes
 from scipy.integrate import solve_ivp
 from two_volumes import CHAMBER_1, CHAMBER_2
 
-from forest_description.hydraulics.load_holding import CounterbalanceValve, PilotCheckValve, RuptureValve
+from forest_description.hydraulics.load_holding_parameters import (
+    CounterbalanceValve,
+    PilotCheckValve,
+    RuptureValve,
+)
 from forest_description.hydraulics.pump import IdealPump
 from forest_description.hydraulics.valve_characteristic import edges
 from forest_description.machine import load_machine
 from forest_sim.equations.plant_parameters import plant_parameters
-from forest_sim.half_step.holding_step import lifts_after
 from forest_sim.hydraulics.load_holding import Lifts, holding_valve, lift_after, restriction
 from forest_sim.hydraulics.spool_dynamics import Spool
 from forest_sim.hydraulics.supply import SupplyState
+from forest_sim.midpoint.holding_step import lifts_after
 from forest_sim.simulation.energy_account import account, unaccounted, with_stored_energy
 from forest_sim.solver import state_recording
 from forest_sim.solver.compiled_plant import compiled_record

@@ -49,5 +49,5 @@ def test_case_oil_leaves_the_motor_and_never_comes_back(machine):
     p = plant_parameters(machine)
     for volts in (VOLTS, -VOLTS):
         now = compiled_advance()(equilibrium((0.0, 0.5, -1.5), p), (volts, 0.0, 0.0), 1e-3, 700, p)
-        assert measure(now, at_rest(now, p), p, 5e-3)[1].case_drain_flow > 0.0
+        assert measure(now, at_rest(now, p), p, 5e-3)[1].of_kind("case_drain")[0] > 0.0
         assert power_flows(now, p).swing.leakage > 0.0

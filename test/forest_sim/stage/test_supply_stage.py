@@ -4,7 +4,7 @@ import pytest
 
 from forest_description.machine import load_machine
 from forest_sim.equations.plant_parameters import plant_parameters
-from forest_sim.half_step.load_sensing import load_weights
+from forest_sim.midpoint.load_sensing import load_weights
 from forest_sim.solver import integrator
 from forest_sim.solver.equilibrium import equilibrium
 from forest_sim.stage import stage_equations

@@ -2,7 +2,7 @@
 
 from forest_station.operator.cab import Cab
 from forest_station.operator.deadman import State
-from forest_station.operator.hands import Hands
+from forest_station.operator.hands_message import Hands
 
 BUTTON, TIMEOUT = 9, 0.08
 CENTRED, UP = (0.0,) * 6, (0.0, 0.0, 0.0, 0.5, 0.0, 0.0)

@@ -4,7 +4,7 @@ import math
 import random
 
 from forest_station.operator.deadman import REST, Deadman, State, expiry, heard_hands, judged, stopped, text
-from forest_station.operator.hands import Hands
+from forest_station.operator.hands_message import Hands
 
 TIMEOUT, ROUND_TRIP = 0.08, 0.25  # [s] bounds of the safety page
 PERIOD = 0.02  # [s] of a page's messages

@@ -9,7 +9,7 @@ import pytest
 
 from forest_station.operator.cab import Cab
 from forest_station.operator.deadman import State
-from forest_station.operator.hands import LAYOUT, Hands, encode_hands
+from forest_station.operator.hands_message import LAYOUT, Hands, encode_hands
 from forest_station.server import driving
 
 CENTRED = (0.0,) * 6

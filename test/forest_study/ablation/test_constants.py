@@ -26,12 +26,12 @@ print(before.feedback[1], gains_by_rule(load_machine("c180_hoses")).feedback[1])
 """
 AT_RUNTIME = """
 from forest_study.ablation.constants import at_runtime, changed
-from forest_control.safety import sinking_joint
+from forest_control.safety import overloaded_joint
 from forest_control.servo import coordinated_servo, schemes
 changed({"servo.schemes.FULL_RATE": 0.2})
 row = at_runtime()
 print(row[schemes.FULL_RATE.place], row[coordinated_servo.FULL_RATE.place], schemes.FULL_RATE)
-print(*(row[time.place] for time in sinking_joint.LONG), type(coordinated_servo.MOST_SAMPLES).__name__)
+print(*(row[time.place] for time in overloaded_joint.LONG), type(coordinated_servo.MOST_SAMPLES).__name__)
 """
 
 

@@ -16,7 +16,7 @@ from forest_description.derived.limits import joint_limits, pose_at, start_tip
 from forest_description.geometry.linkage import cylinder_length
 from forest_description.machine import load_machine
 from forest_msgs_py.types import PERIOD
-from forest_study.closed_loop import loop_kernel
+from forest_study.closed_loop import compiled_loop
 
 C180, LOADER = load_machine("c180_hoses"), load_machine("loader")
 DIRECTIONS = [d for d in itertools.product((-1.0, 0.0, 1.0), repeat=3) if any(d)]
@@ -27,7 +27,7 @@ def pushed(machine, levers, settings, duration):
     """Return a session with the levers held for a duration [s], and the joints' margins [deg]."""
     rows = np.tile([*levers, 1.0], (round(duration / PERIOD), 1))
     start = pose_at(start_tip(machine), machine)
-    moved = loop_kernel.run(machine, rows, start, settings, valve_driver_parameters.Settings())
+    moved = compiled_loop.run(machine, rows, start, settings, valve_driver_parameters.Settings())
     low, high = np.array(joint_limits(machine)).T
     return moved, np.degrees(np.minimum(moved.angles - low, high - moved.angles))
 

@@ -13,7 +13,7 @@ from forest_control.valve import valve_driver_parameters
 from forest_description.derived.limits import joint_limits, pose_at, start_tip
 from forest_description.machine import load_machine
 from forest_study.closed_loop.closed_loop import Operator
-from forest_study.closed_loop.loop_kernel import by_heart as run
+from forest_study.closed_loop.compiled_loop import by_heart as run
 
 LOADER = load_machine("loader")
 START = pose_at(start_tip(LOADER), LOADER)

@@ -17,7 +17,7 @@ from forest_msgs_py.types import PERIOD
 from forest_sim.equations.plant_parameters import plant_parameters
 from forest_sim.sensors.sensor_suite import sensor_suite
 from forest_study.closed_loop.closed_loop import ClosedLoop, Operator
-from forest_study.closed_loop.loop_kernel import by_heart as run
+from forest_study.closed_loop.compiled_loop import by_heart as run
 
 C180 = load_machine("c180_hoses")
 START = inverse_kinematics((5.5, 0.0, 1.0), C180.manipulator.links)

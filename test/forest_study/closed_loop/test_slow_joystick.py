@@ -10,7 +10,7 @@ from forest_description.derived.limits import pose_at, start_tip
 from forest_description.machine import load_machine
 from forest_msgs_py.types import PERIOD
 from forest_study.closed_loop.closed_loop import Operator
-from forest_study.closed_loop.loop_kernel import by_heart as run
+from forest_study.closed_loop.compiled_loop import by_heart as run
 
 SPEED, SECONDS = 0.5, 4.0  # [m/s], [s]
 C180 = load_machine("c180_hoses")

@@ -14,9 +14,9 @@ from forest_description.hydraulics.valve_parameters import BackwardValve
 from forest_description.machine import load_machine
 from forest_msgs_py.types import PERIOD
 from forest_study.ablation import pushes
-from forest_study.closed_loop import loop_kernel
+from forest_study.closed_loop import compiled_loop
 from forest_study.closed_loop.closed_loop import Operator
-from forest_study.closed_loop.loop_kernel import by_heart as run
+from forest_study.closed_loop.compiled_loop import by_heart as run
 from forest_study.tracking.tracking import noisy
 
 C180 = load_machine("c180_hoses")
@@ -101,7 +101,7 @@ def pushed(machine, model, seed, adapt, released):
     if released:
         levers[round(RELEASED / PERIOD) : round((RELEASED + 0.2) / PERIOD), 3] = 0.0
     settings = controller_settings.Settings(), valve_driver_parameters.Settings(adapt=adapt)
-    return loop_kernel.run(machine, levers, start, *settings, model, noisy(machine, seed))
+    return compiled_loop.run(machine, levers, start, *settings, model, noisy(machine, seed))
 
 
 OVERLAPS = {"exact": (1.0, 1.0), "a tenth too wide": (1.1, 1.1), "one way": (1.0, 1.1)}

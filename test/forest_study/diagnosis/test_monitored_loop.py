@@ -7,7 +7,7 @@ from forest_compile.kernel_cache import can_compile
 from forest_control.config import controller_settings
 from forest_control.valve import valve_driver_parameters
 from forest_description.machine import load_machine
-from forest_ident.diagnosis import limits, machine_numbers, monitor, residuals
+from forest_ident.diagnosis import monitor, residual_limits, residual_parameters, residuals
 from forest_ident.diagnosis.sequential_test import score
 from forest_msgs_py.types import PERIOD
 from forest_sim.equations.plant_parameters import plant_parameters
@@ -48,12 +48,12 @@ def test_machine_code_and_the_cores_agree_to_the_last_bit():
     one, suite = day(MACHINE, 3, 2.0), noisy(MACHINE, 3, static_errors=True)
     control = controller_settings.Settings(tip_speed=1.0)
     k = loop_kernel.knowledge(MACHINE, MACHINE, control, valve_driver_parameters.Settings(), suite)
-    p = monitor.Parameters(machine_numbers.parameters(MACHINE), limits.LIMITS)
+    p = monitor.Parameters(residual_parameters.parameters(MACHINE), residual_limits.LIMITS)
     setting = monitored_loop.Setting(loop_kernel.begin(k, one.start, suite), k, p, Hand(1.0))
     normals = monitored_loop.draws(suite, len(one.work))
     rows = monitored_loop.run(setting, one.work, normals, {})
     watch = interpreted(setting, one.work, normals)
-    expected = [score(test, of) for test, of in zip(watch.tests, limits.LIMITS, strict=True)]
+    expected = [score(test, of) for test, of in zip(watch.tests, residual_limits.LIMITS, strict=True)]
     assert rows[-1, residuals.COUNT : 2 * residuals.COUNT].tolist() == expected
     means = rows[-1, 2 * residuals.COUNT : 3 * residuals.COUNT].tolist()
     assert means == [test.mean for test in watch.tests]

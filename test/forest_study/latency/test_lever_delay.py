@@ -13,7 +13,7 @@ from forest_description.machine import load_machine
 from forest_msgs_py.interfaces import topics
 from forest_msgs_py.types import PERIOD
 from forest_study.closed_loop.closed_loop import Operator
-from forest_study.closed_loop.loop_kernel import by_heart as run
+from forest_study.closed_loop.compiled_loop import by_heart as run
 from forest_study.latency.lever_delay import lever_to_valve_ms
 
 C180 = load_machine("c180_hoses")

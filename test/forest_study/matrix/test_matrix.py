@@ -14,6 +14,7 @@ from forest_msgs_py.types import PERIOD
 from forest_sim.equations.plant_parameters import plant_parameters
 from forest_study import cli
 from forest_study.closed_loop import model_mismatch
+from forest_study.closed_loop.closed_loop import Trajectory
 from forest_study.matrix import load_change, matrix_report, matrix_runs
 from forest_study.matrix.figures import Figures
 from forest_study.matrix.matrix_report import summary, table, told
@@ -152,7 +153,7 @@ class Led:
         tip = np.array(ways) + np.outer(beyond, [1.0, 0.0, 0.0])
         moved = {"tip": tip, "voltages": volts, "tip_wish": np.zeros((rows, 3))}
         self.clock = np.arange(rows, dtype=float)
-        self.moved = matrix_runs.loop_kernel.Trajectory(
+        self.moved = Trajectory(
             time=PERIOD * np.arange(rows), angles=tip, commands=volts, pressures=volts, **moved
         )
 

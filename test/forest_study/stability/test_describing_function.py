@@ -9,7 +9,7 @@ from forest_control.config.controller_settings import Settings
 from forest_description.derived.limits import pose_at, start_tip
 from forest_description.machine import load_machine
 from forest_study.ablation.bare_loop import Case, seen
-from forest_study.stability.describing_function import dead_zone, limit_cycle, relay
+from forest_study.stability.describing_function import limit_cycle, relay
 
 PHASE = (np.arange(20000) + 0.5) * 2.0 * math.pi / 20000
 
@@ -22,12 +22,6 @@ def first_harmonic(answer, amplitude):
 @pytest.mark.parametrize("amplitude", [0.2, 1.0, 5.0])
 def test_a_relay_beside_a_gain(amplitude):
     assert relay(0.3, amplitude) == pytest.approx(first_harmonic(lambda x: x + 0.3 * np.sign(x), amplitude))
-
-
-@pytest.mark.parametrize("amplitude", [0.2, 0.31, 1.0, 5.0])
-def test_a_dead_zone(amplitude):
-    behind = first_harmonic(lambda x: np.sign(x) * np.maximum(0.0, np.abs(x) - 0.3), amplitude)
-    assert dead_zone(0.3, amplitude) == pytest.approx(behind, abs=1e-6)
 
 
 def test_the_swing_cycles_as_it_is_told():

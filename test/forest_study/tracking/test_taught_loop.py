@@ -14,10 +14,12 @@ from forest_control.servo.schemes import Scheme
 from forest_control.taught.cycle import Cycle, Grapple, Path, Pose
 from forest_control.taught.cycle_file import load_cycle, save_cycle
 from forest_control.taught.player import Phase
+from forest_control.taught.teaching import distances
 from forest_description.machine import load_machine
 from forest_msgs_py.types import PERIOD
 from forest_study.closed_loop.closed_loop import Operator
-from forest_study.tracking.taught_loop import TaughtLoop, cross_track
+from forest_study.measures import deviation
+from forest_study.tracking.taught_loop import TaughtLoop
 from forest_study.tracking.tracking import noisy
 
 C180 = load_machine("c180_hoses")
@@ -28,6 +30,11 @@ STOPPED = 0.25  # [s] as docs/explanation/safety.md tells
 
 def levers(time):
     return Levers(0.6 * math.sin(1.1 * time), 0.4 * math.sin(1.7 * time), 0.4 * math.cos(1.3 * time))
+
+
+def cross_track(points, tips):
+    """Return how far tips [m] were from the path through points [m]."""
+    return deviation(distances(points, np.array(tips)))
 
 
 def driven(folder, suite=None):

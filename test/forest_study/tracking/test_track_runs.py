@@ -17,12 +17,12 @@ from forest_control.valve import valve_driver_parameters
 from forest_description.config.parameter import MachineError
 from forest_description.machine import load_machine
 from forest_sim.equations.plant_parameters import parameters_of, plant_parameters
-from forest_study import cli
-from forest_study.closed_loop import loop_kernel, model_mismatch
+from forest_study import cli, results
+from forest_study.closed_loop import compiled_loop, model_mismatch
 from forest_study.closed_loop.closed_loop import ClosedLoop
 from forest_study.closed_loop.model_mismatch import Ranges
 from forest_study.closed_loop.path_guide import Hand
-from forest_study.tracking import track_command, tracking
+from forest_study.tracking import tracking
 from forest_study.tracking.track_runs import Variation, quantiles, run_many
 
 C180 = load_machine("c180_hoses")
@@ -40,13 +40,13 @@ def varied(seed):
 
 
 class Interpreted(NamedTuple):
-    """What `loop_kernel.prepared` gives, in Python."""
+    """What `compiled_loop.prepared` gives, in Python."""
 
     loop: ClosedLoop
     rows: int
 
     def lead(self, places, hand):
-        return loop_kernel.lead_interpreted(self.loop, C180.manipulator.links, places, hand, self.rows)
+        return compiled_loop.lead_interpreted(self.loop, C180.manipulator.links, places, hand, self.rows)
 
 
 def interpreted(machine, rows, start, control, drive, model, suite, plant):
@@ -59,7 +59,7 @@ def interpreted(machine, rows, start, control, drive, model, suite, plant):
 
 def test_a_run_has_the_figures_of_the_python_loop(course, monkeypatch):
     runs, session = run_many(course, C180, [3], varied, adapt=True)
-    monkeypatch.setattr(tracking.loop_kernel, "prepared", interpreted)
+    monkeypatch.setattr(tracking.compiled_loop, "prepared", interpreted)
     python = tracking.follow(
         course,
         C180,
@@ -77,7 +77,7 @@ def test_a_run_has_the_figures_of_the_python_loop(course, monkeypatch):
 def test_so_has_one_whose_joystick_is_slow_and_coarse(course, monkeypatch):
     slow = course._replace(hand=Hand(0.5, 10.0, 4, 127.0))
     compiled = tracking.follow(slow, C180, tracking.noisy(C180, 3))
-    monkeypatch.setattr(tracking.loop_kernel, "prepared", interpreted)
+    monkeypatch.setattr(tracking.compiled_loop, "prepared", interpreted)
     python = tracking.follow(slow, C180, tracking.noisy(C180, 3), plant=plant_parameters(C180))
     for name in ("levers", "clock"):
         np.testing.assert_array_equal(getattr(compiled.led, name), getattr(python.led, name))
@@ -246,7 +246,7 @@ def test_wrong_numbers_are_answered_with_what_is_allowed(given, allowed, tmp_pat
 
 
 def test_without_llvm_the_command_says_what_to_install(tmp_path, capsys, monkeypatch):
-    monkeypatch.setattr(track_command, "can_compile", lambda: False)
+    monkeypatch.setattr(results, "can_compile", lambda: False)
     assert cli.main(["track", "--path", "sweep", "--out", str(tmp_path / "out")]) == 1
     assert "pip install 'forest-crane[fast]'" in capsys.readouterr().err
     assert not (tmp_path / "out").exists()

@@ -12,11 +12,12 @@ from pathlib import Path
 from forest_bag.compare.comparison import Comparison, Tolerance
 from forest_bag.read.bag_reader import BagReader
 from forest_bag.storage.bag_files import BagError
+from forest_msgs_py.runtime.command_line import Subcommands
 
 TROUBLE = 2  # as diff and cmp do: 1 means "different"
 
 
-def add_parser(verbs: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
+def add_parser(verbs: Subcommands) -> None:
     """Add the verb and its flags."""
     text = "compare two bags: to the last bit, or within a tolerance"
     parser = verbs.add_parser(

@@ -5,13 +5,13 @@ from pathlib import Path
 
 from forest_bag.read.merged_bags import MergedBags
 from forest_bag.storage.bag_files import BagError
+from forest_msgs_py.runtime.command_line import Subcommands, subcommand
 
 
-def add_parser(verbs: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
+def add_parser(verbs: Subcommands) -> None:
     """Add the verb and its flags."""
     text = "write bags again as others: filter, merge, split, storage, compression"
-    parser = verbs.add_parser("convert", help=text, description=text.capitalize() + ".")
-    parser.set_defaults(command=run)
+    parser = subcommand(verbs, "convert", text, run)
     parser.add_argument(
         "-i",
         "--input",

@@ -16,21 +16,17 @@ from forest_bag.write.bag_writer import BagWriter
 from forest_description.types import Floats
 from forest_msgs_py.interfaces.topic_qos import offered_qos
 from forest_msgs_py.interfaces.topics import JOY, JOY_AXES, JOY_BUTTONS, Topic, message_class
+from forest_msgs_py.runtime.command_line import Subcommands, subcommand
 from forest_msgs_py.types import NS_PER_S
 
 FRAME = "base_link"
 
 
-def add_parser(verbs: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
+def add_parser(verbs: Subcommands) -> None:
     """Add the verb and its flags."""
     text = "make a bag of this project's topics from a measured log"
-    parser = verbs.add_parser(
-        "from-csv",
-        help=text,
-        description=text.capitalize() + ".",
-        epilog=f"The map is described in docs/reference/bags.md. Topics: {', '.join(mappable())}.",
-    )
-    parser.set_defaults(command=run)
+    epilog = f"The map is described in docs/reference/bags.md. Topics: {', '.join(mappable())}."
+    parser = subcommand(verbs, "from-csv", text, run, epilog)
     parser.add_argument("file", type=Path, metavar="FILE", help="the log, a CSV file")
     parser.add_argument(
         "--map", type=Path, required=True, metavar="YAML", help="which column is which signal"

@@ -7,17 +7,18 @@ from pathlib import Path
 from typing import Any
 
 from forest_bag.read.bag_reader import BagReader
-from forest_bag.read.survey import Survey, survey
+from forest_bag.read.survey import Survey, TopicInfo, survey
+from forest_bag.storage.raw_messages import BagFile
+from forest_msgs_py.runtime.command_line import Subcommands, subcommand
 from forest_msgs_py.types import NS_PER_S
 
 EPOCH_NS = 10**17  # log times below are simulated time, not a date
 
 
-def add_parser(verbs: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
+def add_parser(verbs: Subcommands) -> None:
     """Add the verb and its flags."""
     text = "tell what is in a bag: topics, QoS, gaps, losses, files, events, attachments"
-    parser = verbs.add_parser("info", help=text, description=text.capitalize() + ".")
-    parser.set_defaults(command=run)
+    parser = subcommand(verbs, "info", text, run)
     parser.add_argument("bag", type=Path, metavar="BAG", help="a directory, .mcap or .db3, damaged or not")
     parser.add_argument("--json", action="store_true", help="for programs; times in ns")
 
@@ -44,38 +45,40 @@ def as_json(reader: BagReader, found: Survey) -> dict[str, Any]:
         "duration_s": (last - first) / NS_PER_S,
         "messages": sum(topic.count for topic in found.topics.values()),
         "lost": sum(topic.lost for topic in found.topics.values()),
-        "files": [
-            {
-                "name": file.path.name,
-                "bytes": file.path.stat().st_size,
-                "start_ns": min((piece.first_ns for piece in file.pieces), default=0),
-                "end_ns": max((piece.last_ns for piece in file.pieces), default=0),
-                "complete": file.complete,
-            }
-            for file in reader.files
-        ],
-        "topics": {
-            name: {
-                "type": topic.type,
-                "type_hash": topic.type_hash,
-                "qos": topic.qos,
-                "messages": topic.count,
-                "bytes": topic.bytes,
-                "rate_hz": topic.rate_hz,
-                "start_ns": topic.first_ns,
-                "end_ns": topic.last_ns,
-                "lost": topic.lost,
-                "gaps": topic.gaps,
-                "longest_gap_s": topic.longest_ns / NS_PER_S if topic.period_ns else None,
-                "longest_gap_at_ns": topic.longest_at_ns if topic.period_ns else None,
-            }
-            for name, topic in found.topics.items()
-        },
+        "files": [_file(file) for file in reader.files],
+        "topics": {name: _topic(topic) for name, topic in found.topics.items()},
         "events": [{"time_ns": time, "text": text} for time, text in found.events],
         "attachments": [{"name": name, "bytes": len(data)} for name, data in _attachments(reader)],
         "metadata": {
             name: values for file in reader.files for name, values in file.metadata if name != "rosbag2"
         },
+    }
+
+
+def _file(file: BagFile) -> dict[str, Any]:
+    return {
+        "name": file.path.name,
+        "bytes": file.path.stat().st_size,
+        "start_ns": min((piece.first_ns for piece in file.pieces), default=0),
+        "end_ns": max((piece.last_ns for piece in file.pieces), default=0),
+        "complete": file.complete,
+    }
+
+
+def _topic(topic: TopicInfo) -> dict[str, Any]:
+    return {
+        "type": topic.type,
+        "type_hash": topic.type_hash,
+        "qos": topic.qos,
+        "messages": topic.count,
+        "bytes": topic.bytes,
+        "rate_hz": topic.rate_hz,
+        "start_ns": topic.first_ns,
+        "end_ns": topic.last_ns,
+        "lost": topic.lost,
+        "gaps": topic.gaps,
+        "longest_gap_s": topic.longest_ns / NS_PER_S if topic.period_ns else None,
+        "longest_gap_at_ns": topic.longest_at_ns if topic.period_ns else None,
     }
 
 

@@ -9,7 +9,7 @@ from forest_bag.play.play_options import NAME, PlayOptions
 from forest_bag.read.merged_bags import MergedBags
 from forest_bag.storage.bag_files import BagError
 from forest_msgs_py.interfaces.qos_overrides import QosOverrideError, read_overrides
-from forest_msgs_py.runtime.command_line import number, whole
+from forest_msgs_py.runtime.command_line import Command, Subcommands, number, subcommand, whole
 
 CANNOT_PLAY = 2  # exit code
 CHECKED_PER_S = 150e6  # bytes of a file, by zstd some 6 times as many (benchmarks/checking.py)
@@ -21,7 +21,7 @@ KEYS = (
 )
 
 
-def add_parser(verbs: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
+def add_parser(verbs: Subcommands) -> None:
     """Add both verbs and their flags."""
     _add_play(_add(verbs, "play", "publish bags' messages again, in their time", run))
     burst = _add(verbs, "burst", "publish bags' messages as fast as possible, then pause", run_burst)
@@ -36,14 +36,13 @@ def add_parser(verbs: "argparse._SubParsersAction[argparse.ArgumentParser]") -> 
 
 
 def _add(
-    verbs: "argparse._SubParsersAction[argparse.ArgumentParser]",
+    verbs: Subcommands,
     name: str,
     text: str,
-    command: Callable[[argparse.Namespace], int],
+    command: Command,
 ) -> argparse.ArgumentParser:
     """Add a verb with what both have in common."""
-    parser = verbs.add_parser(name, help=text, description=text.capitalize() + ".", epilog=KEYS)
-    parser.set_defaults(command=command)
+    parser = subcommand(verbs, name, text, command, KEYS)
     add = parser.add_argument
     add(
         "bags",

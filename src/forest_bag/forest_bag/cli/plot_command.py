@@ -10,13 +10,13 @@ from pathlib import Path
 from forest_bag.read.bag_reader import BagReader
 from forest_bag.storage.bag_files import BagError
 from forest_msgs_py.interfaces.topics import JOINTS, ROBOT_DESCRIPTION, find
+from forest_msgs_py.runtime.command_line import Subcommands, subcommand
 
 
-def add_parser(verbs: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
+def add_parser(verbs: Subcommands) -> None:
     """Add the verb and its flags."""
     text = "draw the demo's pictures of a bag: tip path, tip error, joints, voltages, hydraulics"
-    parser = verbs.add_parser("plot", help=text, description=text.capitalize() + ".")
-    parser.set_defaults(command=run)
+    parser = subcommand(verbs, "plot", text, run)
     parser.add_argument("bag", type=Path, metavar="BAG", help="a directory, .mcap or .db3")
     parser.add_argument(
         "-o", "--output", type=Path, metavar="DIR", help="for the pictures (default: BAG_pictures)"

@@ -9,13 +9,13 @@ from typing import Any
 
 from forest_bag.record.topic_choice import ChoiceError, compiled
 from forest_bag.storage.mcap_chunk import COMPRESSIONS
-from forest_msgs_py.runtime.command_line import number
+from forest_msgs_py.runtime.command_line import Subcommands, number
 
 NODE = "bag_recorder"  # not the name of a graph's own recorder: both may record
 SERVICES = f"While it records, the services /{NODE}/start, stop, split, snapshot and mark act on it."
 
 
-def add_parser(verbs: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
+def add_parser(verbs: Subcommands) -> None:
     """Add the verb and its flags."""
     text = "record topics into a bag until Ctrl-C"
     parser = verbs.add_parser("record", help=text, description=f"{text.capitalize()}. {SERVICES}")

@@ -5,13 +5,13 @@ from pathlib import Path
 
 from forest_bag.recovery.bag_recovery import Recovered, recover
 from forest_bag.storage.bag_files import BagError, bag_files
+from forest_msgs_py.runtime.command_line import Subcommands, subcommand
 
 
-def add_parser(verbs: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
+def add_parser(verbs: Subcommands) -> None:
     """Add the verb and its flags."""
     text = "make a whole bag of what is readable in a damaged one"
-    parser = verbs.add_parser("recover", help=text, description=text.capitalize() + ".")
-    parser.set_defaults(command=run)
+    parser = subcommand(verbs, "recover", text, run)
     parser.add_argument("bag", type=Path, help="a bag's directory, or an .mcap file; it is left as it is")
     parser.add_argument(
         "-o", "--output", type=Path, metavar="DIR", help="to be made (default: BAG_recovered)"

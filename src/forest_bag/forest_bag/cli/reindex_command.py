@@ -3,12 +3,13 @@
 import argparse
 from pathlib import Path
 
+from forest_msgs_py.runtime.command_line import Subcommands, subcommand
 
-def add_parser(verbs: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
+
+def add_parser(verbs: Subcommands) -> None:
     """Add the verb and its flags."""
     text = "make a bag's metadata.yaml anew from its files"
-    parser = verbs.add_parser("reindex", help=text, description=text.capitalize() + ".")
-    parser.set_defaults(command=run)
+    parser = subcommand(verbs, "reindex", text, run)
     parser.add_argument("bag", type=Path, metavar="BAG", help="a directory; its files are left as they are")
 
 

@@ -3,7 +3,6 @@
 import argparse
 import csv
 import sys
-from collections.abc import Callable
 from pathlib import Path
 from typing import TextIO
 
@@ -11,12 +10,13 @@ import numpy as np
 
 from forest_bag.convert.table import Table, joined
 from forest_bag.storage.bag_files import BagError
+from forest_msgs_py.runtime.command_line import Command, Subcommands
 from forest_msgs_py.types import NS_PER_S
 
 BLOCK = 4096  # rows formatted at once
 
 
-def add_parser(verbs: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
+def add_parser(verbs: Subcommands) -> None:
     """Add both verbs and their flags."""
     csv_parser = _add(verbs, "to-csv", "write a bag's numbers as one CSV table", to_csv)
     csv_parser.add_argument("-o", "--output", type=Path, metavar="FILE", help="default: standard output")
@@ -25,10 +25,10 @@ def add_parser(verbs: "argparse._SubParsersAction[argparse.ArgumentParser]") -> 
 
 
 def _add(
-    verbs: "argparse._SubParsersAction[argparse.ArgumentParser]",
+    verbs: Subcommands,
     name: str,
     text: str,
-    command: Callable[[argparse.Namespace], int],
+    command: Command,
 ) -> argparse.ArgumentParser:
     parser = verbs.add_parser(
         name,

@@ -12,20 +12,17 @@ from forest_control.taught.cycle_file import file_of, load_cycle, names, save_cy
 from forest_control.taught.plan import Hold, Step, assumed_start, planned
 from forest_control.taught.tip_path import PathError
 from forest_description.machine import Machine, load_machine
+from forest_msgs_py.runtime.command_line import Command, Subcommands, subcommand
 
 DIRECTORY = Path("cycles")
-Verbs = argparse._SubParsersAction
 
 
-def add_parsers(verbs: "Verbs[argparse.ArgumentParser]") -> None:
+def add_parsers(verbs: Subcommands) -> None:
     """Add the verbs and their flags."""
-    listing = _verb(verbs, "list", "name all cycles, with length, duration, and what is out of reach")
-    listing.set_defaults(command=_list)
-    check = _verb(verbs, "check", "tell a cycle's segments; exit code 1 if one is out of reach")
-    check.set_defaults(command=_check)
+    _verb(verbs, "list", "name all cycles, with length, duration, and what is out of reach", _list)
+    check = _verb(verbs, "check", "tell a cycle's segments; exit code 1 if one is out of reach", _check)
     check.add_argument("name", metavar="NAME", help="of the cycle")
-    rename = _verb(verbs, "rename", "give a cycle of yours another name", known=False)
-    rename.set_defaults(command=_rename)
+    rename = _verb(verbs, "rename", "give a cycle of yours another name", _rename, known=False)
     rename.add_argument("name", metavar="NAME", help="of the cycle")
     rename.add_argument("new", metavar="NEW", help="its name from now on")
 
@@ -38,9 +35,13 @@ def add_directory(parser: argparse.ArgumentParser) -> None:
 
 
 def _verb(
-    verbs: "Verbs[argparse.ArgumentParser]", name: str, text: str, known: bool = True
+    verbs: Subcommands,
+    name: str,
+    text: str,
+    run: Command,
+    known: bool = True,
 ) -> argparse.ArgumentParser:
-    parser = verbs.add_parser(name, help=text, description=text.capitalize() + ".")
+    parser = subcommand(verbs, name, text, run)
     add_directory(parser)
     if known:
         parser.add_argument("--machine", default="c180", help="that shall do it (default: c180)")

@@ -7,28 +7,26 @@ program.
 import argparse
 from typing import Any
 
-from forest_control.cli.cycle_files import Verbs
 from forest_control.config.setting_file import SettingFileError
 from forest_control.taught.cycle_file import checked_name
 from forest_control.taught.player import Phase
 from forest_control.taught.taught_work import TEACHES
 from forest_msgs_py.interfaces import topics
+from forest_msgs_py.runtime.command_line import Command, Subcommands, subcommand
 
 NODE = "cycle"
 DONE = (Phase.FINISHED, Phase.PAUSED, Phase.IDLE)
 LONGEST = 3600.0  # [s] that `play --wait` waits: no cycle takes longer
 
 
-def add_parsers(verbs: "Verbs[argparse.ArgumentParser]") -> None:
+def add_parsers(verbs: Subcommands) -> None:
     """Add the verbs and their flags."""
     text = "teach a cycle's next segment: a path, driven until stop, or the place where the tip is"
-    record = _verb(verbs, "record", text)
-    record.set_defaults(command=_record)
+    record = _verb(verbs, "record", text, _record)
     record.add_argument("name", metavar="NAME", help="of the cycle; a new one is begun")
     record.add_argument("--what", choices=TEACHES, default="path", help="is taught (default: path)")
     record.add_argument("--label", default="", metavar="TEXT", help="its name (default: its kind)")
-    play = _verb(verbs, "play", "play a cycle from its beginning, once the deadman is held")
-    play.set_defaults(command=_play)
+    play = _verb(verbs, "play", "play a cycle from its beginning, once the deadman is held", _play)
     play.add_argument("name", metavar="NAME", help="of the cycle")
     play.add_argument("--wait", action="store_true", help="until it is finished; exit code 1 if it is paused")
     for name, text in (
@@ -36,11 +34,11 @@ def add_parsers(verbs: "Verbs[argparse.ArgumentParser]") -> None:
         ("pause", "pause what is played; the tip is held"),
         ("resume", "go on after a pause, or confirm the grapple"),
     ):
-        _verb(verbs, name, text).set_defaults(command=_tell, service=name)
+        _verb(verbs, name, text, _tell).set_defaults(service=name)
 
 
-def _verb(verbs: "Verbs[argparse.ArgumentParser]", name: str, text: str) -> argparse.ArgumentParser:
-    parser = verbs.add_parser(name, help=text, description=text.capitalize() + ".")
+def _verb(verbs: Subcommands, name: str, text: str, run: Command) -> argparse.ArgumentParser:
+    parser = subcommand(verbs, name, text, run)
     parser.add_argument("--namespace", default="/", help="ROS namespace of the graph (default: /)")
     return parser
 

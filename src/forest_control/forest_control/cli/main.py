@@ -13,6 +13,7 @@ from forest_control.cli import cycle_files, cycle_live
 from forest_control.config.setting_file import SettingFileError
 from forest_control.taught.tip_path import PathError
 from forest_msgs_py.runtime import command_line
+from forest_msgs_py.runtime.command_line import subcommand
 
 PROGRAM = "forest-control"
 
@@ -26,7 +27,7 @@ def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(prog=PROGRAM, description="Taught work of the crane.")
     verbs = parser.add_subparsers(title="verbs", required=True, metavar="VERB")
     text = "cycles of taught work: teach, look at, play"
-    cycle = verbs.add_parser("cycle", help=text, description=text.capitalize() + ".")
+    cycle = subcommand(verbs, "cycle", text)
     cycle_verbs = cycle.add_subparsers(title="verbs", required=True, metavar="VERB")
     cycle_files.add_parsers(cycle_verbs)
     cycle_live.add_parsers(cycle_verbs)

@@ -20,7 +20,7 @@ from forest_control.safety.motion_permission import (
     Override,
     PermissionParameters,
     Verdict,
-    unwatched,
+    reset_sensor_watch,
 )
 from forest_control.servo.joint_angle_filter import UNREAD, Lengths
 from forest_control.valve.tracking_limit import Reach
@@ -92,7 +92,7 @@ class GuardedController:
         """Forget all motion: the command is zero."""
         self._state, self.command = stopped(self._state), ZERO
         self._taught = taught_watch.ended(self._taught)
-        self.guard.permission = unwatched(self.guard.permission)
+        self.guard.permission = reset_sensor_watch(self.guard.permission)
 
     def stops_without_state(self, now: float, override: Override = NOBODY) -> bool:
         """Stop if the machine's state has not come for too long by a time [s]; tell whether that is so."""

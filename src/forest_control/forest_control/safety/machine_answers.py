@@ -13,8 +13,8 @@ file says, though the driver allows for loads; or the pressures bear less than b
 Rates count once a joint was told for `SETTLES`, while its own does not grow: before, it speeds up, and its
 oil is pressed. G is judged once a joint was told enough and moves, W once the way is `FREE`; what has
 answered right is not asked again. A joint that stands is not judged: it may be held; nor is one that goes
-back, which `machine_file` asks for its way. A boom that stands or goes down proves no weight: it may lean on
-what lies below. What goes up, or swings, is free.
+back, which `machine_file_check` asks for its way. A boom that stands or goes down proves no weight: it may
+lean on what lies below. What goes up, or swings, is free.
 """
 
 import math
@@ -42,8 +42,8 @@ LIGHTEST = 0.8  # [1] of W/W_0; an empty crane without its head gives 1, `loader
 class Answers(NamedTuple):
     """What a machine has answered."""
 
-    told: Vec3 = ZERO  # u [rad/s]
-    gone: Vec3 = ZERO  # v [rad/s]
+    commanded: Vec3 = ZERO  # u [rad/s]
+    measured: Vec3 = ZERO  # v [rad/s]
     times: Vec3 = ZERO  # [s] for which each was told to go, one way
     squares: Vec3 = ZERO  # integral of u^2 [rad^2/s]
     products: Vec3 = ZERO  # of u v
@@ -70,41 +70,48 @@ def answered(
         p: the controller's parameters.
         dt: since the last sample [s].
     """
-    told = (
-        _passed(before.told[0], u[0], p.speed_limits.axes[0].spool.lag, dt),
-        _passed(before.told[1], u[1], p.speed_limits.axes[1].spool.lag, dt),
-        _passed(before.told[2], u[2], p.speed_limits.axes[2].spool.lag, dt),
+    commanded = (
+        _passed(before.commanded[0], u[0], p.speed_limits.axes[0].spool.lag, dt),
+        _passed(before.commanded[1], u[1], p.speed_limits.axes[1].spool.lag, dt),
+        _passed(before.commanded[2], u[2], p.speed_limits.axes[2].spool.lag, dt),
     )
-    gone = (
-        _passed(before.gone[0], v[0], 0.0, dt),
-        _passed(before.gone[1], v[1], 0.0, dt),
-        _passed(before.gone[2], v[2], 0.0, dt),
+    measured = (
+        _passed(before.measured[0], v[0], 0.0, dt),
+        _passed(before.measured[1], v[1], 0.0, dt),
+        _passed(before.measured[2], v[2], 0.0, dt),
     )
     times = (
-        _told_for(before, told, 0, dt),
-        _told_for(before, told, 1, dt),
-        _told_for(before, told, 2, dt),
+        _commanded_for(before, commanded, 0, dt),
+        _commanded_for(before, commanded, 1, dt),
+        _commanded_for(before, commanded, 2, dt),
     )
     one, two, three = (
-        _summed(before, told, gone, v, 0, dt),
-        _summed(before, told, gone, v, 1, dt),
-        _summed(before, told, gone, v, 2, dt),
+        _summed(before, commanded, measured, v, 0, dt),
+        _summed(before, commanded, measured, v, 1, dt),
+        _summed(before, commanded, measured, v, 2, dt),
     )
     after = before._replace(
-        told=told,
-        gone=gone,
+        commanded=commanded,
+        measured=measured,
         times=times,
         squares=(one[0], two[0], three[0]),
         products=(one[1], two[1], three[1]),
         responses=(one[2], two[2], three[2]),
     )
+    return _weighed(after, q, u, v, pressures, p, dt)
+
+
+def _weighed(
+    before: Answers, q: Vec3, u: Vec3, v: Vec3, pressures: Pressures, p: Parameters, dt: float
+) -> Answers:
+    """Return the answers with the torque that bore the boom on its way up, and that of its weight."""
     c = p.weighing
     force = c.areas[0] * pressures[0] - c.areas[1] * pressures[1]
     way = dt * ((abs(v[0]) if u[0] * v[0] > 0.0 else 0.0) + (v[1] if u[1] > 0.0 and v[1] > 0.0 else 0.0))
     if before.way >= FREE or way == 0.0 or math.isnan(force):
-        return after
+        return before
     torque, head = lever_arm(q[1], c.linkage) * force, c.gravity * c.empty_head * _reach(q, p)
-    return after._replace(
+    return before._replace(
         way=before.way + way,
         borne=before.borne + torque * way,
         weight=before.weight + (own_weight(q, c) - head) * way,
@@ -116,19 +123,19 @@ def _passed(before: float, x: float, lag: float, dt: float) -> float:
     return before + (1.0 - math.exp(-dt / (TOGETHER + lag))) * (x - before)
 
 
-def _told_for(before: Answers, told: Vec3, i: int, dt: float) -> float:
+def _commanded_for(before: Answers, commanded: Vec3, i: int, dt: float) -> float:
     """Return for how long a joint has been told to go one way [s]."""
-    if abs(told[i]) < COMMANDED or told[i] * before.told[i] < 0.0:
+    if abs(commanded[i]) < COMMANDED or commanded[i] * before.commanded[i] < 0.0:
         return 0.0
     return before.times[i] + dt
 
 
 def _summed(
-    before: Answers, told: Vec3, gone: Vec3, rates: Vec3, i: int, dt: float
+    before: Answers, commanded: Vec3, measured: Vec3, rates: Vec3, i: int, dt: float
 ) -> tuple[float, float, float]:
     """Return the sums of one joint; as before if it has proven right, is told nothing, grows or goes back."""
     squares, products, responses = before.squares[i], before.products[i], before.responses[i]
-    u, v = told[i], gone[i]
+    u, v = commanded[i], measured[i]
     if min(squares, responses) > TOLD or before.times[i] < SETTLES or u * v < 0.0:
         return squares, products, responses
     if rates[i] * v > GROWS * v * v:

@@ -12,10 +12,10 @@ from forest_control.operator.joystick_watch import Joystick, Sample, is_released
 from forest_control.safety import (
     driver_response,
     frozen_sensor,
-    machine_file,
+    machine_file_check,
     motion_permission,
+    overloaded_joint,
     runaway,
-    sinking_joint,
 )
 from forest_control.safety.driver_response import DriverSample
 from forest_control.safety.motion_permission import (
@@ -52,13 +52,13 @@ class MotionGuard:
     def hear(self, sample: Sample, problem: str = "") -> None:
         """Take in one sample of the joystick, oldest first; `problem` says why it cannot be read."""
         dropped = self.permission.joystick.out_of_order
-        self.permission = motion_permission.heard(self.permission, sample)
+        self.permission = motion_permission.updated_joystick(self.permission, sample)
         in_order = self.permission.joystick.out_of_order == dropped
         self._unreadable = problem or ("" if in_order else GOES_BACK)
 
     def is_lost(self, now: float, override: Override) -> bool:
         """Tell whether states came, and none was believed for too long, which disarms the levers."""
-        if not motion_permission.is_lost(self.permission, now, self.p):
+        if not motion_permission.is_state_lost(self.permission, now, self.p):
             return False
         self.disarm(now, override)
         when, why = self._refused  # the cause, rather than what follows from it
@@ -96,9 +96,11 @@ class MotionGuard:
             self._refuse(disorder(order, "joint state", state.stamp), now)
         elif decision.dt > 0.0:
             checks = self.permission.checks
-            trouble = machine_file.objection(checks.file) or driver_response.objection(checks.driver, now)
+            trouble = machine_file_check.objection(checks.file) or driver_response.objection(
+                checks.driver, now
+            )
             trouble = trouble or frozen_sensor.frozen(checks.still) or runaway.objection(checks.runaway)
-            trouble = trouble or sinking_joint.objection(checks.sunk)
+            trouble = trouble or overloaded_joint.objection(checks.last_overload)
             self.causes["machine"] = trouble or ("" if checks.let_go else WAS_FAULTY)
             self._note_operator(override)
         return decision

@@ -12,8 +12,8 @@ in the subset of Python that `forest_compile` translates; `motion_guard` tells t
 | a state cannot be read, or cannot be true | `state_checks` | STOP |
 | a sensor gives the same number while its joint is told to move | `frozen_sensor` | STOP |
 | the valve driver is silent, or keeps the valves shut | `driver_response` | STOP |
-| another machine than the file tells of: for good | `machine_file` | STOP |
-| a joint that goes back, or stands, though its valve is open | `sinking_joint` | STOP |
+| another machine than the file tells of: for good | `machine_file_check` | STOP |
+| a joint that goes back, or stands, though its valve is open | `overloaded_joint` | STOP |
 | a joint that goes by itself under a shut valve | `runaway` | STOP |
 | emergency stop; `hands_off` | `Override` | STOP |
 | the deadman is not held, the levers were not centred since | `joystick_watch` | HOLD |
@@ -37,12 +37,18 @@ from forest_control.operator.joystick_interpolation import CENTRED, Interpolated
 from forest_control.operator.joystick_watch import Sample, Watch, WatchParameters, assessed_watch
 from forest_control.operator.late_link import IN_TIME, LateLink, speed_share, updated_link
 from forest_control.operator.levers import REST, Levers
-from forest_control.safety import driver_response, frozen_sensor, machine_file, runaway, sinking_joint
+from forest_control.safety import (
+    driver_response,
+    frozen_sensor,
+    machine_file_check,
+    overloaded_joint,
+    runaway,
+)
 from forest_control.safety.driver_response import DriverResponse, DriverSample
 from forest_control.safety.frozen_sensor import Stillness
-from forest_control.safety.machine_file import FileCheck
+from forest_control.safety.machine_file_check import FileCheck
+from forest_control.safety.overloaded_joint import Overload
 from forest_control.safety.runaway import Runaway
-from forest_control.safety.sinking_joint import Sinking
 from forest_control.safety.state_checks import plausible
 from forest_control.servo.joint_angle_filter import UNREAD as NO_LENGTHS
 from forest_control.servo.joint_angle_filter import Lengths
@@ -125,9 +131,9 @@ class Checks(NamedTuple):
 
     still: Stillness = frozen_sensor.MOVING
     driver: DriverResponse = DriverResponse()
-    sinking: Sinking = Sinking()
+    overload: Overload = Overload()
     file: FileCheck = FileCheck()
-    sunk: Sinking = Sinking()  # as it stopped the crane; kept until the levers move it anew
+    last_overload: Overload = Overload()  # as it stopped the crane; kept until the levers move it anew
     let_go: bool = True  # the deadman was released since that, or a fault
     runaway: Runaway = Runaway()
 
@@ -144,12 +150,12 @@ class Permission(NamedTuple):
     link: LateLink = IN_TIME
 
 
-def heard(before: Permission, sample: Sample) -> Permission:
+def updated_joystick(before: Permission, sample: Sample) -> Permission:
     """Take in one sample of the joystick, oldest first."""
     return before._replace(joystick=joystick_watch.updated_watch(before.joystick, sample))
 
 
-def is_lost(permission: Permission, now: float, guard: PermissionParameters) -> bool:
+def is_state_lost(permission: Permission, now: float, guard: PermissionParameters) -> bool:
     """Tell whether states came, and none was believed for longer than `state_timeout`; the caller disarms."""
     return permission.period.started and now - permission.received > guard.state_timeout
 
@@ -160,7 +166,7 @@ def disarmed(before: Permission, now: float, guard: PermissionParameters) -> Per
     return before._replace(joystick=joystick, hold=CENTRED)
 
 
-def unwatched(before: Permission) -> Permission:
+def reset_sensor_watch(before: Permission) -> Permission:
     """Begin the watch over the sensors anew: the crane was stopped."""
     return before._replace(checks=before.checks._replace(still=frozen_sensor.MOVING))
 
@@ -198,38 +204,38 @@ def decide(
     after = before._replace(order=order, period=period, received=state.received)
     if dt == 0.0:
         return after, Decision(Verdict.SKIP, Cause.TOO_SOON)
-    checks = checked(before.checks, state, driver, command, p, guard, now, dt)
+    checks = updated_checks(before.checks, state, driver, command, p, guard, now, dt)
     link = updated_link(before.link, before.joystick.stamp, state.stamp, dt)
-    return judged(after._replace(checks=checks, link=link), now, dt, guard, override)
+    return decide_by_checks(after._replace(checks=checks, link=link), now, dt, guard, override)
 
 
-def judged(
+def decide_by_checks(
     before: Permission, now: float, dt: float, guard: PermissionParameters, override: Override
 ) -> tuple[Permission, Decision]:
     """Return the decision on a state that can be true, dt [s] after the one before."""
     checks = before.checks
-    if not passes(checks, now):
-        faulty = before._replace(checks=checks._replace(let_go=checks.let_go and is_sound(checks)))
+    if not checks_pass(checks, now):
+        faulty = before._replace(checks=checks._replace(let_go=checks.let_go and machine_is_sound(checks)))
         return disarmed(faulty, now, guard), Decision(Verdict.STOP, Cause.FAULT, dt=dt)
-    if sinking_joint.is_overloaded(checks.sinking):
-        sunk = checks._replace(sinking=Sinking(), sunk=checks.sinking, let_go=False)
+    if overloaded_joint.is_overloaded(checks.overload):
+        sunk = checks._replace(overload=Overload(), last_overload=checks.overload, let_go=False)
         stop = Decision(Verdict.STOP, Cause.OVERLOAD, believed=True, dt=dt, overloaded=True)
         return disarmed(before._replace(checks=sunk), now, guard), stop
     let_go = checks.let_go or not before.joystick.held
-    after, decision = permitted(
+    after, decision = decide_by_operator(
         before._replace(checks=checks._replace(let_go=let_go)), now, dt, guard, override
     )
-    overloaded = sinking_joint.is_overloaded(checks.sunk)
+    overloaded = overloaded_joint.is_overloaded(checks.last_overload)
     if decision.verdict == Verdict.MOVE and not let_go:
         cause = Cause.OVERLOAD if overloaded else Cause.OPERATOR
         waiting = Decision(Verdict.HOLD, cause, believed=True, dt=dt, overloaded=overloaded)
         return disarmed(after, now, guard), waiting
     if decision.verdict == Verdict.MOVE:
-        return after._replace(checks=after.checks._replace(sunk=Sinking())), decision
+        return after._replace(checks=after.checks._replace(last_overload=Overload())), decision
     return after, decision._replace(overloaded=overloaded)
 
 
-def permitted(
+def decide_by_operator(
     before: Permission, now: float, dt: float, guard: PermissionParameters, override: Override
 ) -> tuple[Permission, Decision]:
     """Return the decision on a state that is believed: the operator's, if nobody else forbids it."""
@@ -246,7 +252,7 @@ def permitted(
     return after, Decision(Verdict.MOVE, Cause.NONE, True, levers=hold.levers, share=share, dt=dt)
 
 
-def checked(
+def updated_checks(
     before: Checks,
     state: MachineState,
     driver: DriverSample,
@@ -271,41 +277,41 @@ def checked(
     still = before.still
     if not guard.noise_free:
         still = frozen_sensor.watched(before.still, state.angles, command, p, dt)
-    u = sinking_joint.asked(state.angles, command, p)
-    sinking = sinking_joint.watched(before.sinking, u, state.rates, driver.voltages, p, dt)
+    u = overloaded_joint.commanded_rates(state.angles, command, p)
+    overload = overloaded_joint.watched(before.overload, u, state.rates, driver.voltages, p, dt)
     gone = before.runaway
     if driver.received > -math.inf:  # of a driver that has never spoken no valve is known to be shut
         gone = runaway.watched(before.runaway, state.rates, driver.voltages, p, dt)
     return Checks(
         still=still,
         driver=driver_response.response(before.driver, driver, command, now),
-        sinking=sinking,
-        file=machine_file.watched(
+        overload=overload,
+        file=machine_file_check.watched(
             before.file,
             state.angles,
             state.rates,
             state.lengths,
             u,
             driver.voltages,
-            sinking,
+            overload,
             state.boom_pressures,
             p,
             dt,
         ),
-        sunk=before.sunk,
+        last_overload=before.last_overload,
         let_go=before.let_go,
         runaway=gone,
     )
 
 
-def passes(checks: Checks, now: float) -> bool:
+def checks_pass(checks: Checks, now: float) -> bool:
     """Tell whether sensors, driver and machine are what the controller goes by."""
-    return is_sound(checks) and driver_response.responds(checks.driver, now)
+    return machine_is_sound(checks) and driver_response.responds(checks.driver, now)
 
 
-def is_sound(checks: Checks) -> bool:
+def machine_is_sound(checks: Checks) -> bool:
     """Tell whether sensors and machine are what the controller goes by."""
-    if machine_file.is_wrong(checks.file) or runaway.runs_away(checks.runaway):
+    if machine_file_check.is_wrong(checks.file) or runaway.runs_away(checks.runaway):
         return False
     return not frozen_sensor.is_frozen(checks.still)
 

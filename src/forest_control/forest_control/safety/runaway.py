@@ -14,7 +14,7 @@ A joint that is stopped at full speed brakes over its relief valves, and goes on
 all the time; so its way must be longer than what v_0 makes in `BRAKES`.
 
 Not seen: a joint that sinks more slowly than `SLOW`, and one whose valve the servo opens against it; that is
-`sinking_joint`'s.
+`overloaded_joint`'s.
 """
 
 import math

@@ -24,7 +24,7 @@ from forest_description.derived.bodies import bearing_stick, boom_body
 from forest_description.geometry.linkage import Linkage, cylinder_length, lever_arm
 from forest_description.machine import Machine
 from forest_description.mechanics.drives import Friction
-from forest_description.mechanics.elasticity import Elasticity
+from forest_description.mechanics.elasticity_parameters import Elasticity
 from forest_description.types import Vec3
 
 Pair = tuple[float, float]

@@ -10,7 +10,7 @@ one may need a wider valve, and keeps its reference.
 | r, s | reference and measured angle | rad |
 
 Not kept: the reference of joints that have not gone since they rested. Their overlap may be wider than
-believed, and only a servo whose error grows brings them over it; `safety.sinking_joint` ends that.
+believed, and only a servo whose error grows brings them over it; `safety.overloaded_joint` ends that.
 """
 
 import math

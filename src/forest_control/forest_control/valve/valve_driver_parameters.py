@@ -11,7 +11,7 @@ from forest_control.valve.spool_model import SpoolLaw, after
 from forest_control.valve.valve_adaptation import AdaptationParameters
 from forest_control.valve.valve_flow import FlowParameters, Yielding
 from forest_description.derived.actuator_kinematics import displacements, metering_drop, rated_speeds
-from forest_description.hydraulics.load_holding import LoadHolding, RuptureValve
+from forest_description.hydraulics.load_holding_parameters import LoadHolding, RuptureValve
 from forest_description.hydraulics.valve_characteristic import ValveLaw
 from forest_description.machine import Machine
 from forest_description.types import Vec3

@@ -16,7 +16,7 @@ of the joint, behind the gear train, not of the motor shaft. Extending is positi
 import math
 
 from forest_description.geometry.linkage import Linkage, lever_arm
-from forest_description.hydraulics.compensator import CompensatorAfterSpool
+from forest_description.hydraulics.compensator_parameters import CompensatorAfterSpool
 from forest_description.hydraulics.pump import LoadSensingPump
 from forest_description.machine import Machine
 from forest_description.types import Vec3

@@ -15,7 +15,7 @@ import dataclasses
 from typing import NamedTuple
 
 from forest_description.mechanics.load import Log, RotatorAndGrapple
-from forest_description.mechanics.manipulator import Manipulator
+from forest_description.mechanics.manipulator_parameters import Manipulator
 
 
 class PlanarBody(NamedTuple):

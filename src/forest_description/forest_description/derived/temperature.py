@@ -25,10 +25,10 @@ from typing import NamedTuple
 
 from forest_description.config.parameter import MachineError, replace_unchecked
 from forest_description.hydraulics.hose import Hose, MeasuredHose
-from forest_description.hydraulics.load_holding import LoadHolding, RuptureValve
+from forest_description.hydraulics.load_holding_parameters import LoadHolding, RuptureValve
 from forest_description.hydraulics.oil import Oil
 from forest_description.hydraulics.pump import IdealPump, Pump
-from forest_description.hydraulics.tank_line import TankLine
+from forest_description.hydraulics.tank_line_parameters import TankLine
 from forest_description.hydraulics.valve_parameters import Valve
 from forest_description.machine import Machine
 from forest_description.mechanics.drives import CylinderDrive, SwingDrive

@@ -16,7 +16,7 @@ import math
 from typing import NamedTuple
 
 from forest_description.mechanics.chassis import Chassis
-from forest_description.mechanics.manipulator import Manipulator
+from forest_description.mechanics.manipulator_parameters import Manipulator
 from forest_description.types import Vec3
 
 Pair = tuple[float, float]

@@ -34,7 +34,7 @@ manipulator:
 - A section whose `kind` differs from the base's is given anew, with all its keys. A `pendulum`
   without `kind` is one body; with `kind: grapple` its parts are told.
 - A number may state its `uncertainty`, half of its 95 % interval in its own unit. Identification
-  counts it ([told numbers](../explanation/identification.md#how-do-the-estimators-work)).
+  counts it ([stated numbers](../explanation/identification.md#how-do-the-estimators-work)).
 - A unit may be any of the quantity. Ranges are in SI and wide: they catch a slipped decimal point,
   not an unusual crane.
 - A slip is answered with file, line, key and what is allowed: `forest-sim check my_crane.yaml`.

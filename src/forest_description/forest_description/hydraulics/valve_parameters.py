@@ -16,7 +16,7 @@ from forest_description.config.parameter import (
     parameter,
     require_order,
 )
-from forest_description.hydraulics.compensator import Compensator
+from forest_description.hydraulics.compensator_parameters import Compensator
 from forest_description.hydraulics.valve_characteristic import (
     CURVE_SIZE,
     LINEAR_AREA,

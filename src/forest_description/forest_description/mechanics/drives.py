@@ -13,9 +13,9 @@ from forest_description.config.parameter import (
 )
 from forest_description.geometry.linkage import Linkage, joint_angle
 from forest_description.hydraulics.hose import Hose
-from forest_description.hydraulics.load_holding import LoadHolding
+from forest_description.hydraulics.load_holding_parameters import LoadHolding
 from forest_description.hydraulics.valve_parameters import Valve
-from forest_description.mechanics.elasticity import Elasticity
+from forest_description.mechanics.elasticity_parameters import Elasticity
 
 LONGEST_STUCK = 0.01  # [rad] that a bearing gives way before it slides; rolling bearings give under 1e-3
 

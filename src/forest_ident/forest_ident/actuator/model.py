@@ -163,7 +163,25 @@ def rate(state: State, signal: float, p: Parameters) -> State:
     load += p.load_damping * (state.arm_speed - state.load_speed)
     held = p.rest_pressure_1 - p.area_ratio * p.rest_pressure_2 + p.gravity_slope * state.position
     driving = state.pressure_1 - p.area_ratio * state.pressure_2 - held
-    pump = Supply(
+    return State(
+        spool=(signal - state.spool) / p.spool_lag,
+        supply=reference_rate(state.supply, q.sensed, _load_sensing(p)),
+        pressure_1=pressure_rate(state.pressure_1, q.into_1, state.speed, chamber_1, guard),
+        pressure_2=pressure_rate(
+            state.pressure_2, -q.out_of_2, -p.area_ratio * state.speed, chamber_2, guard
+        ),
+        position=state.speed,
+        speed=(driving - p.damping * state.speed - friction - arm) / p.mass,
+        arm_position=state.arm_speed,
+        arm_speed=(arm - load) / p.arm_mass,
+        load_position=state.load_speed,
+        load_speed=load / p.load_mass,
+    )
+
+
+def _load_sensing(p: Parameters) -> Supply:
+    """Return the supply of which only the control is of use: its reference follows the sensed pressure."""
+    return Supply(
         ideal=0,
         set_pressure=math.inf,
         flow_limit=0.0,
@@ -176,20 +194,6 @@ def rate(state: State, signal: float, p: Parameters) -> State:
         relief_conductance=0.0,
         margin=p.pump_margin,
         rate=1.0 / p.pump_lag,
-    )
-    return State(
-        spool=(signal - state.spool) / p.spool_lag,
-        supply=reference_rate(state.supply, q.sensed, pump),
-        pressure_1=pressure_rate(state.pressure_1, q.into_1, state.speed, chamber_1, guard),
-        pressure_2=pressure_rate(
-            state.pressure_2, -q.out_of_2, -p.area_ratio * state.speed, chamber_2, guard
-        ),
-        position=state.speed,
-        speed=(driving - p.damping * state.speed - friction - arm) / p.mass,
-        arm_position=state.arm_speed,
-        arm_speed=(arm - load) / p.arm_mass,
-        load_position=state.load_speed,
-        load_speed=load / p.load_mass,
     )
 
 

@@ -16,17 +16,16 @@ from forest_ident.actuator.fit import Columns, Fit
 from forest_ident.actuator.priors import PRIORS, actuator, unit, unit_factor
 from forest_ident.actuator.record import Record, RecordError, Scales
 from forest_ident.validation.prediction_error import rms
-from forest_msgs_py.runtime.command_line import whole
+from forest_msgs_py.runtime.command_line import Subcommands, subcommand, whole
 
 STARTS, STARTS_INTERPRETED = 32, 1
 IDENTIFIED = 0.8  # of a prior's width: a parameter with a smaller standard error is identified
 
 
-def add_parser(verbs: Any) -> None:
+def add_parser(verbs: Subcommands) -> None:
     """Name the verb's flags."""
     text = "fit one actuator of our physics to a CSV record and simulate another from its valve signal"
-    parser = verbs.add_parser("actuator", help=text, description=text[0].upper() + text[1:] + ".")
-    parser.set_defaults(command=run)
+    parser = subcommand(verbs, "actuator", text, run)
     columns = "columns sample, valve, pressure, position"
     parser.add_argument("--fit", type=Path, required=True, metavar="TRAIN.csv", help=columns)
     help_test = "columns sample, valve; pressure, where it is there, is compared and never used"

@@ -7,12 +7,13 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from forest_description.machine import load_machine
-from forest_ident.diagnosis import machine_numbers, monitor
+from forest_ident.diagnosis import monitor, residual_parameters
 from forest_ident.diagnosis.findings import Finding, alarms, findings
-from forest_ident.diagnosis.limits import LIMITS
-from forest_ident.diagnosis.recorded import samples
+from forest_ident.diagnosis.recorded_readings import samples
+from forest_ident.diagnosis.residual_limits import LIMITS
 from forest_ident.diagnosis.residuals import NAMES
 from forest_ident.measurements.session import SessionError
+from forest_msgs_py.runtime.command_line import Subcommands, subcommand
 
 EVERY = 1.0  # [s] between two looks at what is found
 FOUND = 1  # exit code
@@ -26,11 +27,10 @@ class Told(NamedTuple):
     seconds: int
 
 
-def add_parser(verbs: Any) -> None:
+def add_parser(verbs: Subcommands) -> None:
     """Name the verb's flags."""
     text = "tell what is wrong with the machine, from bags of everyday work"
-    parser = verbs.add_parser("diagnose", help=text, description=text[0].upper() + text[1:] + ".")
-    parser.set_defaults(command=run)
+    parser = subcommand(verbs, "diagnose", text, run)
     parser.add_argument("bags", type=Path, nargs="+", metavar="BAG", help="one after the other")
     parser.add_argument("--machine", required=True, metavar="NAME|FILE", help="that they are of")
     text = "bag of the same machine while it was well: what is learnt first; more than one: again"
@@ -47,7 +47,7 @@ def run(options: argparse.Namespace) -> int:
     """
     if options.out is not None and options.out.exists():
         raise SessionError(f"{options.out} exists already; choose another --out or remove it")
-    p = monitor.Parameters(machine_numbers.parameters(load_machine(options.machine)), LIMITS)
+    p = monitor.Parameters(residual_parameters.parameters(load_machine(options.machine)), LIMITS)
     state = monitor.BEGIN
     for bag in options.healthy:
         *_, (state, _) = watched(state, bag, p)

@@ -4,10 +4,9 @@ import argparse
 import itertools
 import sys
 import time
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from itertools import combinations
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
@@ -23,16 +22,15 @@ from forest_ident.refinement.result import Result, unidentified
 from forest_ident.report import machine_writer
 from forest_ident.validation import prediction_error
 from forest_ident.validation.verdict import verdict
-from forest_msgs_py.runtime.command_line import StatusLine
+from forest_msgs_py.runtime.command_line import StatusLine, Subcommands, subcommand
 
 WIDTH = 30  # characters of the progress bar
 
 
-def add_parser(verbs: Any) -> None:
+def add_parser(verbs: Subcommands) -> None:
     """Name the verb's flags."""
     text = "estimate a machine's parameters from bags, with their uncertainty"
-    parser = verbs.add_parser("fit", help=text, description=text[0].upper() + text[1:] + ".")
-    parser.set_defaults(command=run)
+    parser = subcommand(verbs, "fit", text, run)
     parser.add_argument("bags", nargs="+", type=Path, metavar="BAG", help="a bag, or a directory of bags")
     parser.add_argument("--start", default="c180_hoses", metavar="NAME|FILE", help="default: %(default)s")
     parser.add_argument("--out", type=Path, required=True, metavar="FILE.yaml", help="identified machine")
@@ -61,6 +59,32 @@ def run(options: argparse.Namespace) -> int:
     _refuse_strangers(start, sessions)
     _refuse_twice(sessions)
     _demand_judge(options.allow, sessions)
+    result = _fitted(start, sessions, options)
+    held_out = [(s.name, prediction_error.predicted(result.machine, s)) for s in result.held_out]
+    judged = verdict(result, held_out)
+    print("\n  ".join([f"verdict: {judged.lines[0]}", *judged.lines[1:]]))
+    print(fit_tables.text_table(result))
+    for name, signals in held_out:
+        print(f"  held out: {name}\n{prediction_error.text_table(signals)}")
+    result.machine = machine_writer.write(result, options.start, options.out, judged.doubts)
+    if truth is not None:
+        print(fit_tables.against(result, truth))
+    _tell_rest(result, sessions)
+    print(f"  {options.out}")
+    if options.report is not None:
+        from forest_ident.report.identification_report import write  # matplotlib takes half a second
+
+        bags = {str(path): session.name for path, session in sessions.items()}
+        print(f"  {write(result, options.report, judged, held_out, options.start, bags)}")
+    return judged.code
+
+
+def _fitted(start: Machine, sessions: Mapping[Path, Session], options: argparse.Namespace) -> Result:
+    """Return what the records tell, once for each physics that is tried.
+
+    Raises:
+        SessionError: nothing can be estimated from them.
+    """
     bar = Bar()
     given, stated = list(sessions.values()), uncertainties(options.start)
     rounds, ended = 1 + len(options.allow), itertools.count()
@@ -82,23 +106,7 @@ def run(options: argparse.Namespace) -> int:
             f"nothing for a machine file from {names}{said}; `forest-ident experiment list` tells which "
             "records hold something"
         )
-    held_out = [(s.name, prediction_error.predicted(result.machine, s)) for s in result.held_out]
-    judged = verdict(result, held_out)
-    print("\n  ".join([f"verdict: {judged.lines[0]}", *judged.lines[1:]]))
-    print(fit_tables.text_table(result))
-    for name, signals in held_out:
-        print(f"  held out: {name}\n{prediction_error.text_table(signals)}")
-    result.machine = machine_writer.write(result, options.start, options.out, judged.doubts)
-    if truth is not None:
-        print(fit_tables.against(result, truth))
-    _tell_rest(result, sessions)
-    print(f"  {options.out}")
-    if options.report is not None:
-        from forest_ident.report.identification_report import write  # matplotlib takes half a second
-
-        bags = {str(path): session.name for path, session in sessions.items()}
-        print(f"  {write(result, options.report, judged, held_out, options.start, bags)}")
-    return judged.code
+    return result
 
 
 def _tell_rest(result: Result, sessions: dict[Path, Session]) -> None:

@@ -11,13 +11,13 @@ LITTLE = 0.005  # share of a variance that is not worth a word
 
 def text_table(result: Result) -> str:
     """Return the estimates as text: start, value, interval, warning; sensors."""
-    lines = [f"  {'parameter':<42} {'told':>11} {'found':>13}  {'of told':>7}  95 % interval (most told by)"]
+    lines = [f"  {'parameter':<42} {'stated':>11} {'found':>13}  {'of stated':>9}  95 % interval (most from)"]
     for e, before in table(result):
         value, low, high = e.formatted()
         was = "-" if before is None else f"{before:.5g}"
-        most = f" ({e.most})" if e.told > LITTLE else ""
+        most = f" ({e.most})" if e.stated > LITTLE else ""
         interval = "withheld" if e.withheld else f"{low} .. {high} {e.unit}"
-        lines.append(f"  {e.key:<42} {was:>11} {value:>13}  {100.0 * e.told:>5.0f} %  {interval}{most}")
+        lines.append(f"  {e.key:<42} {was:>11} {value:>13}  {100.0 * e.stated:>7.0f} %  {interval}{most}")
         if e.warning:
             lines.append(f"    warning: {e.warning}")
     return "\n".join(lines + [_calibrated(o) for o in result.calibration if math.isfinite(o.offset_error)])

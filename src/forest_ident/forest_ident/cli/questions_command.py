@@ -3,19 +3,17 @@
 import argparse
 import json
 from pathlib import Path
-from typing import Any
 
 from forest_description.machine import load_machine
 from forest_ident.measurements.session import SessionError
 from forest_ident.validation import unmodelled_effects
-from forest_msgs_py.runtime.command_line import whole
+from forest_msgs_py.runtime.command_line import Subcommands, subcommand, whole
 
 
-def add_parser(verbs: Any) -> None:
+def add_parser(verbs: Subcommands) -> None:
     """Name the verb's flags."""
     text = "ask what a missed return pressure and an unmodelled pendulum come from, on simulated machines"
-    parser = verbs.add_parser("questions", help=text, description=text[0].upper() + text[1:] + ".")
-    parser.set_defaults(command=run)
+    parser = subcommand(verbs, "questions", text, run)
     parser.add_argument("--machine", default="c180_hoses", metavar="NAME|FILE", help="default: %(default)s")
     parser.add_argument(
         "--seed", type=whole(0), default=0, metavar="N", help="of sensors and lots (default: 0)"

@@ -3,7 +3,6 @@
 import argparse
 import json
 from pathlib import Path
-from typing import Any
 
 from forest_description.machine import load_machine
 from forest_ident.measurements import session_bag
@@ -11,13 +10,13 @@ from forest_ident.measurements.session import SessionError
 from forest_ident.refinement import experiment_check
 from forest_ident.validation import prediction_error
 from forest_ident.validation.verdict import NOT_TRUSTED, TRUSTED
+from forest_msgs_py.runtime.command_line import Subcommands, subcommand
 
 
-def add_parser(verbs: Any) -> None:
+def add_parser(verbs: Subcommands) -> None:
     """Name the verb's flags."""
     text = "compare a held-out bag with what a machine file predicts"
-    parser = verbs.add_parser("validate", help=text, description=text[0].upper() + text[1:] + ".")
-    parser.set_defaults(command=run)
+    parser = subcommand(verbs, "validate", text, run)
     parser.add_argument("bag", type=Path, metavar="BAG")
     parser.add_argument("--model", required=True, metavar="NAME|FILE", help="machine that predicts")
     parser.add_argument("--report", type=Path, metavar="DIR", help="to be made: validation.html, .json")

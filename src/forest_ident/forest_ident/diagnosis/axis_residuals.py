@@ -21,8 +21,8 @@ from typing import NamedTuple
 from forest_description.geometry.linkage import cylinder_length
 from forest_description.hydraulics.valve_characteristic import Direction, opening_at, stroke
 from forest_description.types import Vec3
-from forest_ident.diagnosis.machine_numbers import AxisNumbers, Parameters, Port, full_speed
-from forest_ident.diagnosis.readings import NAN, Learnt, Readings, Way
+from forest_ident.diagnosis.monitor_readings import NAN, Learnt, Readings, Way
+from forest_ident.diagnosis.residual_parameters import AxisNumbers, Parameters, Port, full_speed
 from forest_sim.hydraulics.oil_volume import content
 
 SETTLED = 10.0  # bins of a shut valve, before oil that is lost counts

@@ -6,7 +6,7 @@ from typing import NamedTuple
 from forest_description.types import AXES
 from forest_ident.diagnosis import sensor_watch
 from forest_ident.diagnosis.monitor import Parameters, State
-from forest_ident.diagnosis.readings import CHANNELS
+from forest_ident.diagnosis.monitor_readings import CHANNELS
 from forest_ident.diagnosis.residuals import NAMES
 from forest_ident.diagnosis.sequential_test import Limits, score
 from forest_ident.diagnosis.signatures import CAUSES, MACHINE_FILE, SENSOR_FROZEN, SENSOR_LOST, Cause

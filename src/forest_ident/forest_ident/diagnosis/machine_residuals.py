@@ -16,8 +16,8 @@ import math
 from typing import NamedTuple
 
 from forest_ident.diagnosis.axis_residuals import SETTLED, SPAN, Axis, Sums
-from forest_ident.diagnosis.machine_numbers import AxisNumbers, Parameters, full_speed
-from forest_ident.diagnosis.readings import NAN, PORTS, Readings
+from forest_ident.diagnosis.monitor_readings import NAN, PORTS, Readings
+from forest_ident.diagnosis.residual_parameters import AxisNumbers, Parameters, full_speed
 from forest_sim.hydraulics.supply import Supply
 
 FLOWED = 0.04  # [1] of full flow, from which a meter is judged
@@ -91,49 +91,52 @@ def ended(
         dt: length of the bin [s].
         first: no bin came before.
     """
+    k = p.axes
+    pairs = (
+        *_pairs(means[0], axes[0].quiet, k[0]),
+        *_pairs(means[1], axes[1].quiet, k[1]),
+        *_pairs(means[2], axes[2].quiet, k[2]),
+    )
+    if first:
+        return Machine(primed=1), UNKNOWN
+    sums = _summed(m, axes, means, p, dt)
+    if sums.bins < SPAN:
+        return sums, (NAN, NAN, NAN, NAN, NAN, NAN, *pairs, NAN)
+    values = (
+        *(
+            1e-6 * sums.over_supply / SPAN,
+            6e4 * sums.over_drain / SPAN,
+            _metered(sums.over_meter_1, sums.over_moved_1, k[0]),
+            _metered(sums.over_meter_2, sums.over_moved_2, k[2]),
+        ),
+        *(1e3 * sums.over_agree_1 / SPAN, 1e3 * sums.over_agree_2 / SPAN),
+    )
+    cold = 0.0 if r.temperature > WARM else WARM - r.temperature
+    return Machine(primed=1), (*values, *pairs, cold)
+
+
+def _summed(
+    m: Machine, axes: tuple[Axis, Axis, Axis], means: tuple[Sums, Sums, Sums], p: Parameters, dt: float
+) -> Machine:
+    """Return the next bin's machine, whose sums over `SPAN` have this one."""
     n, k = m.samples, p.axes
+    swing = means[0]
     demand = _demand(axes[0], k[0], dt) + _demand(axes[1], k[1], dt) + _demand(axes[2], k[2], dt)
-    swing, stick = means[0], means[2]
     leaks = k[0].external_leakage * (swing.at_1 + swing.at_2)
     through = k[0].internal_leakage * (swing.at_1 - swing.at_2) + k[0].external_leakage * swing.at_1
     moved_1, moved_2 = k[0].one.area * axes[0].dx / dt, k[2].one.area * axes[2].dx / dt
-    supply = m.over_supply + m.supply / n - _supply_pressure(demand, m.supply / n, p.supply)
-    meter_1, meter_2 = m.over_meter_1 + m.flow_1 / n, m.over_meter_2 + m.flow_2 / n
-    taken_1, taken_2 = m.over_moved_1 + moved_1 + through, m.over_moved_2 + moved_2
-    agree_1 = m.over_agree_1 + m.length_1 / n - means[1].position
-    agree_2 = m.over_agree_2 + m.length_2 / n - means[2].position
-    drain, bins = m.over_drain + m.drain / n - leaks, m.bins + 1.0
-    start = Machine(primed=1)
-    pairs = (
-        *_pairs(swing, axes[0].quiet, k[0]),
-        *_pairs(means[1], axes[1].quiet, k[1]),
-        *_pairs(stick, axes[2].quiet, k[2]),
+    return Machine(
+        primed=1,
+        over_supply=m.over_supply + m.supply / n - _supply_pressure(demand, m.supply / n, p.supply),
+        over_drain=m.over_drain + m.drain / n - leaks,
+        over_meter_1=m.over_meter_1 + m.flow_1 / n,
+        over_moved_1=m.over_moved_1 + moved_1 + through,
+        over_meter_2=m.over_meter_2 + m.flow_2 / n,
+        over_moved_2=m.over_moved_2 + moved_2,
+        over_agree_1=m.over_agree_1 + m.length_1 / n - means[1].position,
+        over_agree_2=m.over_agree_2 + m.length_2 / n - means[2].position,
+        bins=m.bins + 1.0,
     )
-    if first:
-        return start, UNKNOWN
-    if bins < SPAN:
-        kept = start._replace(
-            over_supply=supply,
-            over_drain=drain,
-            over_meter_1=meter_1,
-            over_moved_1=taken_1,
-            over_meter_2=meter_2,
-            over_moved_2=taken_2,
-            over_agree_1=agree_1,
-            over_agree_2=agree_2,
-            bins=bins,
-        )
-        return kept, (NAN, NAN, NAN, NAN, NAN, NAN, *pairs, NAN)
-    values = (
-        *(
-            1e-6 * supply / SPAN,
-            6e4 * drain / SPAN,
-            _metered(meter_1, taken_1, k[0]),
-            _metered(meter_2, taken_2, k[2]),
-        ),
-        *(1e3 * agree_1 / SPAN, 1e3 * agree_2 / SPAN),
-    )
-    return start, (*values, *pairs, 0.0 if r.temperature > WARM else WARM - r.temperature)
 
 
 def _demand(a: Axis, k: AxisNumbers, dt: float) -> float:

@@ -7,9 +7,9 @@ What the sums mean is told by `findings`.
 
 from typing import NamedTuple
 
-from forest_ident.diagnosis import readings
-from forest_ident.diagnosis.machine_numbers import Parameters as MachineNumbers
-from forest_ident.diagnosis.readings import Readings
+from forest_ident.diagnosis import monitor_readings
+from forest_ident.diagnosis.monitor_readings import Readings
+from forest_ident.diagnosis.residual_parameters import Parameters as MachineNumbers
 from forest_ident.diagnosis.residuals import COUNT as RESIDUALS
 from forest_ident.diagnosis.residuals import Residuals, updated
 from forest_ident.diagnosis.sensor_watch import UNSEEN, Sensor, heard, judged
@@ -30,7 +30,7 @@ class State(NamedTuple):
 
     residuals: Residuals = Residuals()
     tests: tuple[Test, ...] = (NEW,) * RESIDUALS
-    sensors: tuple[Sensor, ...] = (UNSEEN,) * readings.COUNT
+    sensors: tuple[Sensor, ...] = (UNSEEN,) * monitor_readings.COUNT
     bins: float = 0.0  # of the window
     stood: int = 1  # 1: the machine has stood all the window
 
@@ -41,8 +41,8 @@ BEGIN = State()
 def step(state: State, r: Readings, p: Parameters, dt: float) -> State:
     """Return the state after a sample, dt [s] after the last one."""
     found = updated(state.residuals, r, p.machine, dt)
-    channels = readings.channels(r)
-    sensors = tuple([heard(state.sensors[i], channels[i]) for i in range(readings.COUNT)])
+    channels = monitor_readings.channels(r)
+    sensors = tuple([heard(state.sensors[i], channels[i]) for i in range(monitor_readings.COUNT)])
     if found.ended == 0:
         return state._replace(residuals=found, sensors=sensors)
     values = found.values
@@ -51,7 +51,7 @@ def step(state: State, r: Readings, p: Parameters, dt: float) -> State:
     if bins < WINDOW:
         return State(found, tests, sensors, bins, stood)
     stands = stood == 1
-    sensors = tuple([judged(sensors[i], stands) for i in range(readings.COUNT)])
+    sensors = tuple([judged(sensors[i], stands) for i in range(monitor_readings.COUNT)])
     return State(found, tests, sensors, 0.0, 1)
 
 

@@ -8,9 +8,9 @@ from typing import NamedTuple
 from forest_description.types import AXES
 from forest_ident.diagnosis import axis_residuals, machine_residuals
 from forest_ident.diagnosis.axis_residuals import OF_AXIS, Axis, mean_of
-from forest_ident.diagnosis.machine_numbers import Parameters
 from forest_ident.diagnosis.machine_residuals import OF_MACHINE, Machine
-from forest_ident.diagnosis.readings import NAN, Readings
+from forest_ident.diagnosis.monitor_readings import NAN, Readings
+from forest_ident.diagnosis.residual_parameters import Parameters
 
 BIN = 0.1  # [s]
 NAMES = (*(f"{axis}_{name}" for axis in AXES for name in OF_AXIS), *OF_MACHINE)

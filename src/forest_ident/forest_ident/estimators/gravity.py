@@ -18,7 +18,7 @@ import numpy as np
 
 from forest_description.config.parameter import replace_unchecked
 from forest_description.machine import Machine
-from forest_description.mechanics.manipulator import Manipulator
+from forest_description.mechanics.manipulator_parameters import Manipulator
 from forest_description.types import AXES, Floats
 from forest_ident.estimators.least_squares import LinearFit, solve
 from forest_ident.measurements.readings import length_and_arm

@@ -33,7 +33,7 @@ def pivots(machine: Machine, sessions: Sequence[Session]) -> list[Estimate]:
     """Return both pivots of boom and stick [m]; none of a cylinder that no record tells. Thesis App. A.
 
     Args:
-        machine: as told.
+        machine: as stated.
         sessions: any; those of the crane with a transducer and a resolver at an axis count.
     """
     found = []

@@ -46,16 +46,16 @@ EXCITATION = {
     "pilot_ratio": "the load lowered at several speeds and weights, transducers at the actuator",
     "free_way": "the swing turned round at several speeds, with a resolver at the joint",
     "leakage_conductance": "boom and stick resting for seconds in several poses, their valves shut",
-    "stiffness": "a known load hung on the tip, its sag measured from outside; it is taken as told",
-    "head_dead_volume": "the oil's air known: both make it softer; it is taken as told",
-    "rod_dead_volume": "the oil's air known: both make it softer; it is taken as told",
-    "port_volume": "the oil's air known: both make it softer; it is taken as told",
-    "motor_inertia": "the motor weighed or its plate read; it is taken as told",
-    "stribeck_speed": "the axis crept at constant speeds under 10 mm/s; it is taken as told",
+    "stiffness": "a known load hung on the tip, its sag measured from outside; it is taken as stated",
+    "head_dead_volume": "the oil's air known: both make it softer; it is taken as stated",
+    "rod_dead_volume": "the oil's air known: both make it softer; it is taken as stated",
+    "port_volume": "the oil's air known: both make it softer; it is taken as stated",
+    "motor_inertia": "the motor weighed or its plate read; it is taken as stated",
+    "stribeck_speed": "the axis crept at constant speeds under 10 mm/s; it is taken as stated",
     "head_mass": "boom and stick resting in five or more poses",
     "boom_mass": "boom and stick resting in five or more poses",
     "stick_mass": "the head weighed by itself, or taken off: at rest both pull alike",
-    "base_zz": "fast starts and stops of the swing, boom and stick folded and stretched; it is taken as told",
+    "base_zz": "fast swing starts and stops, boom and stick folded and stretched; it is taken as stated",
 }
 
 
@@ -77,8 +77,8 @@ class Estimate(NamedTuple):
     warning: str = ""
     initial: bool = True  # of a linear estimate: whether the refinement starts from it
     withheld: bool = False  # whether its interval means nothing: the model does not explain its record
-    told: float = 0.0  # share of its variance that comes from told numbers
-    most: str = ""  # the told number that most of that comes from
+    stated: float = 0.0  # share of its variance that comes from stated numbers
+    most: str = ""  # the stated number that most of that comes from
 
     @property
     def interval(self) -> tuple[float, float]:
@@ -101,10 +101,6 @@ class Estimate(NamedTuple):
         digits = 5 if not 0.0 < apart < 1.0 else min(max(5, 2 - math.floor(math.log10(apart))), 12)
         value, low_text, high_text = (f"{number:.{digits}g}" for number in (self.value, low, high))
         return value, low_text, high_text
-
-    def told_as(self) -> str:
-        """Return value, half of the 95 % interval and unit as text."""
-        return f"{self.value:.5g} ± {NORMAL_95 * self.standard_error:.2g} {self.unit}"
 
     def contains(self, truth: float) -> bool:
         """Tell whether the interval contains a value [unit]."""

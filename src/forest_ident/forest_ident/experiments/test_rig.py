@@ -22,7 +22,7 @@ from functools import lru_cache
 
 from forest_description.hydraulics.hose import GeometricHose, MeasuredHose
 from forest_description.machine import Machine, load_machine
-from forest_description.mechanics.manipulator import Manipulator
+from forest_description.mechanics.manipulator_parameters import Manipulator
 from forest_description.sensors.sensor_kinds import Sensors
 from forest_description.types import AXES
 

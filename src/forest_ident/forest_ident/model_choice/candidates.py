@@ -19,7 +19,7 @@ import dataclasses
 from collections.abc import Callable, Collection
 from typing import NamedTuple
 
-from forest_description.hydraulics.load_holding import CounterbalanceValve
+from forest_description.hydraulics.load_holding_parameters import CounterbalanceValve
 from forest_description.hydraulics.oil import EntrainedAir
 from forest_description.hydraulics.valve_parameters import FlowCurve, Valve
 from forest_description.machine import Machine
@@ -31,7 +31,7 @@ from forest_description.mechanics.drives import (
     Friction,
     MotorChambers,
 )
-from forest_description.mechanics.elasticity import Elasticity
+from forest_description.mechanics.elasticity_parameters import Elasticity
 from forest_description.mechanics.load import Pendulum
 from forest_description.types import AXES
 from forest_ident.measurements.parameter_path import SECTIONS, part_of, with_part

@@ -37,7 +37,7 @@ def with_measured_curves(machine: Machine, sessions: Sequence[Session]) -> Machi
     """Return a machine whose curves are those of the valve rigs' records; without a record they stay.
 
     Args:
-        machine: whose valves have curves already, of any shape, and overlaps as told.
+        machine: whose valves have curves already, of any shape, and overlaps as stated.
         sessions: any.
     """
     for session in sessions:

@@ -59,7 +59,7 @@ class Finding(NamedTuple):
 
 
 def times_noise(refined: Refined) -> float:
-    """Return the greatest residual of a record's channels over what noise and told numbers leave."""
+    """Return the greatest residual of a record's channels over what noise and stated numbers leave."""
     return max((test.times for test in refined.tests), default=0.0)
 
 

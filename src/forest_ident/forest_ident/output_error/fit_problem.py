@@ -67,7 +67,7 @@ class Fit(NamedTuple):
     residuals: dict[str, Floats]  # standardised, censored rows left out as NaN
     noise: dict[str, float]
     iterations: int
-    told_noise: dict[str, float]  # what wrong told numbers may leave in each channel, in its unit
+    stated_noise: dict[str, float]  # what wrong stated numbers may leave in each channel, in its unit
     converged: bool = True  # False: the search was broken off
 
 
@@ -230,20 +230,20 @@ class Problem:
         of_inputs = np.mean([np.outer(move, move) for move in moves], axis=0) if moves else 0.0
         return np.asarray(widened + of_inputs, dtype=np.float64)
 
-    def told_effect(
+    def stated_effect(
         self, theta: Floats, predicted: Columns, jacobian: Jacobian, moved: Sequence[Columns], before: Floats
     ) -> tuple[Floats, dict[str, float]]:
-        """Return how told numbers move theta (theta, told), and what they may leave in each channel.
+        """Return how stated numbers move theta (theta, stated), and what they may leave in each channel.
 
-        A told number is not estimated. Where the cost is least, its gradient stays zero while the number
+        A stated number is not estimated. Where the cost is least, its gradient stays zero while the number
         moves: so theta moves by H^-1 (prior's information times the prior's move - J'J_t).
 
         Args:
             theta: at the end of the fit.
             predicted: there.
             jacobian: there.
-            moved: predicted with each told number one standard deviation off.
-            before: moves of the prior's mean (theta, told).
+            moved: predicted with each stated number one standard deviation off.
+            before: moves of the prior's mean (theta, stated).
         """
         rows = list(self._rows(theta, predicted, jacobian))
         pulls, changes = np.zeros(before.shape), []

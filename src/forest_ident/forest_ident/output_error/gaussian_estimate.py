@@ -29,10 +29,10 @@ class GaussianEstimate(NamedTuple):
     mean: Floats = np.zeros(0)
     covariance: Floats = np.zeros((0, 0))
     slopes: Floats | None = None
-    """Moves of the mean by one standard deviation of each told number (names, told); None: none."""
+    """Moves of the mean by one standard deviation of each stated number (names, stated); None: none."""
 
     def moves(self, names: tuple[str, ...], count: int) -> Floats:
-        """Return the slopes of some names, 0 of those that are not known (names, told)."""
+        """Return the slopes of some names, 0 of those that are not known (names, stated)."""
         found = np.zeros((len(names), count))
         for place, name in enumerate(names):
             if self.slopes is not None and name in self.names:
@@ -49,7 +49,7 @@ class GaussianEstimate(NamedTuple):
         return float(self.mean[place]), float(np.sqrt(max(self.covariance[place, place], 0.0)))
 
     def spread(self, name: str) -> float:
-        """Return the standard deviation of a name, with what told numbers add to it."""
+        """Return the standard deviation of a name, with what stated numbers add to it."""
         place = self.names.index(name)
         moves = np.zeros(1) if self.slopes is None else self.slopes[place]
         return math.sqrt(max(float(self.covariance[place, place] + moves @ moves), 0.0))
@@ -130,7 +130,7 @@ def updated(
         names: of the fit.
         mean: that it found.
         covariance: of it.
-        slopes: of it, by told number (names, told).
+        slopes: of it, by stated number (names, stated).
     """
     count = 0 if slopes is None else slopes.shape[1]
     new = tuple(name for name in names if name not in known.names)
@@ -141,14 +141,14 @@ def updated(
     shared = [every.index(name) for name in names if name in known.names]
     found = [every.index(name) for name in names]
     rest = [place for place in range(old) if place not in shared]
-    told = known.moves(every, count)
+    stated = known.moves(every, count)
     if shared and rest:
         pairs = [names.index(every[place]) for place in shared]
         before = s[np.ix_(shared, shared)]
         gain = s[np.ix_(rest, shared)] @ inverse(before)
         m[rest] += gain @ (mean[pairs] - m[shared])
         if slopes is not None:
-            told[rest] += gain @ (slopes[pairs] - told[shared])
+            stated[rest] += gain @ (slopes[pairs] - stated[shared])
         s[np.ix_(rest, rest)] += gain @ (covariance[np.ix_(pairs, pairs)] - before) @ gain.T
         cross = gain @ covariance[np.ix_(pairs, range(len(names)))]
         s[np.ix_(rest, found)] = cross
@@ -156,8 +156,8 @@ def updated(
     m[found] = mean
     s[np.ix_(found, found)] = covariance
     if slopes is not None:
-        told[found] = slopes
-    return GaussianEstimate(every, m, 0.5 * (s + s.T), None if slopes is None else told)
+        stated[found] = slopes
+    return GaussianEstimate(every, m, 0.5 * (s + s.T), None if slopes is None else stated)
 
 
 def covariance_of(information: Floats) -> Floats:

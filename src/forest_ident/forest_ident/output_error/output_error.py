@@ -29,6 +29,7 @@ those are where this starts.
 import math
 from collections.abc import Callable, Mapping, Sequence
 from types import MappingProxyType
+from typing import NamedTuple
 
 import numpy as np
 
@@ -67,7 +68,7 @@ def fit(
     block: int = BLOCK,
     prior: GaussianEstimate = EMPTY,
     redrawn: Sequence[Model] = (),
-    told: Sequence[Mapping[str, float]] = (),
+    stated: Sequence[Mapping[str, float]] = (),
     rough: Model | None = None,
 ) -> Fit:
     """Return the parameters that explain the measured columns best.
@@ -81,11 +82,11 @@ def fit(
         block: rows within which residuals may be correlated.
         prior: what earlier fits found, of parameters and of the sensors' static errors.
         redrawn: the rough model again, each time with the noise of its inputs drawn once more.
-        told: parameters that are not estimated, each moved by its standard deviation, by key.
+        stated: parameters that are not estimated, each moved by its standard deviation, by key.
         rough: a quicker model, whose changes are near those of the model; without it the model itself.
     """
     problem = Problem(measured=measured, channels=channels, unknowns=unknowns, block=block, prior=prior)
-    return _Search(model, rough or model, problem, unknowns, channels, progress).fit(prior, redrawn, told)
+    return _Search(model, rough or model, problem, unknowns, channels, progress).fit(prior, redrawn, stated)
 
 
 def damped_step(
@@ -104,6 +105,16 @@ def damped_step(
     return np.clip(-np.linalg.solve(damped, slope), -reach, reach)
 
 
+class _End(NamedTuple):
+    """Where a search has ended."""
+
+    theta: Floats
+    predicted: dict[str, Floats]
+    jacobian: list[dict[str, Floats]]
+    iterations: int
+    converged: bool
+
+
 class _Search:
     """Gauss-Newton on a problem. Derivatives, a simulation each, are kept as long as steps grow shorter."""
 
@@ -120,9 +131,13 @@ class _Search:
         self._unknowns, self._channels = unknowns, channels
 
     def fit(
-        self, prior: GaussianEstimate, redrawn: Sequence[Model], told: Sequence[Mapping[str, float]]
+        self, prior: GaussianEstimate, redrawn: Sequence[Model], stated: Sequence[Mapping[str, float]]
     ) -> Fit:
         """Return the end of the search; arguments as `fit`."""
+        return self._told(self._searched(), prior, redrawn, stated)
+
+    def _searched(self) -> _End:
+        """Return where the cost falls no further."""
         problem, theta, damping, last = self._problem, self._problem.mean.copy(), DAMPING, math.inf
         predicted = self._simulate(self._model, theta)
         problem.update_noise(theta, predicted)
@@ -139,6 +154,17 @@ class _Search:
             last = math.inf if fresh else moved
             if fresh and not converged:
                 jacobian, taken = self._derivatives(theta, predicted), theta
+        return _End(theta, predicted, jacobian, iterations, converged)
+
+    def _told(
+        self,
+        end: _End,
+        prior: GaussianEstimate,
+        redrawn: Sequence[Model],
+        stated: Sequence[Mapping[str, float]],
+    ) -> Fit:
+        """Return values and uncertainties at the end of the search."""
+        problem, theta, predicted, jacobian = self._problem, end.theta, end.predicted, end.jacobian
         base = self._base(theta, predicted)
 
         def after(model: Model, number: Mapping[str, float]) -> Columns:
@@ -149,9 +175,9 @@ class _Search:
         untaken = self._untaken(theta, predicted, jacobian)
         covariance = problem.covariance(theta, predicted, jacobian, inputs) + np.outer(untaken, untaken)
         values = problem.values(theta)
-        others = [after(self._rough, number) if number else predicted for number in told]
-        before = prior.moves(problem.names, len(told))
-        slopes, told_noise = problem.told_effect(theta, predicted, jacobian, others, before)
+        others = [after(self._rough, number) if number else predicted for number in stated]
+        before = prior.moves(problem.names, len(stated))
+        slopes, stated_noise = problem.stated_effect(theta, predicted, jacobian, others, before)
         sds = np.sqrt(np.maximum(np.diag(covariance), 0.0))[: problem.count].tolist()
         pairs = zip(self._unknowns, sds, strict=True)
         information = problem.normal(theta, predicted, jacobian)[0] + problem.known
@@ -164,9 +190,9 @@ class _Search:
             posterior=updated(prior, problem.names, theta, covariance, slopes),
             residuals=problem.residuals(theta, predicted),
             noise=dict(problem.sigma),
-            iterations=iterations,
-            told_noise=told_noise,
-            converged=converged and not refused,
+            iterations=end.iterations,
+            stated_noise=stated_noise,
+            converged=end.converged and not refused,
         )
 
     def _untaken(self, theta: Floats, predicted: dict[str, Floats], jacobian: Jacobian) -> Floats:
@@ -181,9 +207,9 @@ class _Search:
         return max((m for m, u in zip(moves, self._unknowns, strict=True) if u.positive), default=0.0)
 
     def _simulate(
-        self, model: Model, theta: Floats, told: Mapping[str, float] = MappingProxyType({})
+        self, model: Model, theta: Floats, stated: Mapping[str, float] = MappingProxyType({})
     ) -> dict[str, Floats]:
-        columns = model({**self._problem.values(theta), **told})
+        columns = model({**self._problem.values(theta), **stated})
         self._progress()
         return {c.name: np.asarray(columns[c.name], dtype=np.float64) for c in self._channels}
 

@@ -38,7 +38,7 @@ def residual_tests(start: Machine, session: Session, fit: Fit) -> list[ResidualT
     for name, noise in fit.noise.items():
         known = not session.is_exact and getattr(sensed.sensors, noise_model.KIND[name].name) is not None
         own = noise_model.channel(sensed, session, name).noise if known else noise
-        own = math.hypot(own, fit.told_noise[name])  # wrong told numbers may have left as much
+        own = math.hypot(own, fit.stated_noise[name])  # wrong stated numbers may have left as much
         residual = fit.residuals[name]
         lags = residual_test.autocorrelation(residual)
         first = None if lags is None else float(lags[0])

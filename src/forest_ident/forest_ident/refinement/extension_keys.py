@@ -55,7 +55,7 @@ def felt_by(machine: Machine, kind: str, axes: Sequence[str]) -> tuple[str, ...]
     """Return the dotted keys that a record feels, whether it tells them or not, as the machine has them.
 
     They go along with their uncertainty: held at the start's number, they would bend what is estimated. Not
-    in `gravity`: told numbers leave ten times as much in its masses, and its search would take five times
+    in `gravity`: stated numbers leave ten times as much in its masses, and its search would take five times
     as long.
 
     Args:

@@ -42,7 +42,7 @@ from forest_ident.refinement import (
     pooling,
     possible_numbers,
     refinement,
-    told_numbers,
+    stated_numbers,
 )
 from forest_ident.refinement.refinement_task import task
 from forest_ident.refinement.result import Refined, Result
@@ -88,13 +88,23 @@ def identify(
         experiment_check.demand(start, session)
     for session in result.held_out:
         experiment_check.demand_machine(start, session)
-    result.told = _measured_linkages(result, used, told_numbers.errors(start, stated))
+    result.stated = _measured_linkages(result, used, stated_numbers.errors(start, stated))
     for session in used:
         progress(f"{session.name}: linear estimates", 0.0)
         with data_quality.evaluated(session):
             _estimate_linearly(result, session)
     result.known = _of_offsets([*_offsets_of_file(start, used), *result.calibration])
-    work = [s for s in used if refine and task(result.machine, s) is not None]
+    if refine:
+        _refine_all(result, used, progress)
+    progress("done", 1.0)
+    result.stranger = data_quality.stranger({r.session.name: r.tests for r in result.refined})
+    _conclude(result)
+    return result
+
+
+def _refine_all(result: Result, used: Sequence[Session], progress: Progress) -> None:
+    """Refine by one session after the other; one that cannot be does not lose what the others told."""
+    work = [s for s in used if task(result.machine, s) is not None]
     workload = Workload(result.machine, work)
     for place, session in enumerate(work):
 
@@ -105,14 +115,10 @@ def identify(
         try:
             with data_quality.evaluated(session):
                 _refine(result, session, simulated)
-        except SessionError as error:  # what the other records told is not lost by this one
+        except SessionError as error:
             result.remarks.append(f"{error}; its linear estimates stay")
             wanted = task(result.machine, session)
             result.failed[session.name] = wanted.free if wanted else ()
-    progress("done", 1.0)
-    result.stranger = data_quality.stranger({r.session.name: r.tests for r in result.refined})
-    _conclude(result)
-    return result
 
 
 def _prepared(start: Machine, sessions: Sequence[Session]) -> Machine:
@@ -139,16 +145,16 @@ def _calibrate(result: Result, sessions: Sequence[Session]) -> None:
 
 
 def _measured_linkages(
-    result: Result, used: Sequence[Session], told: Mapping[str, float]
+    result: Result, used: Sequence[Session], stated: Mapping[str, float]
 ) -> dict[str, float]:
-    """Set the linkages to what lengths over angles tell; return the errors of told numbers with theirs.
+    """Set the linkages to what lengths over angles tell; return the errors of stated numbers with theirs.
 
     A linkage that a person has told more closely stays, as does one whose estimate is no linkage.
     """
-    errors = dict(told)
+    errors = dict(stated)
     for axis in AXES[1:]:
         found = [e for e in linkage.pivots(result.start, used) if e.key.startswith(axis)]
-        closer = {e.key: e.standard_error for e in found if e.standard_error < told.get(e.key, 0.0)}
+        closer = {e.key: e.standard_error for e in found if e.standard_error < stated.get(e.key, 0.0)}
         if not found or len(closer) < len(found):
             continue
         pivots = {e.key.partition(".")[2]: e.value for e in found}
@@ -156,7 +162,7 @@ def _measured_linkages(
             drive = dataclasses.replace(getattr(result.machine, axis), **pivots)
         except MachineError as error:
             result.remarks.append(
-                f"{axis}: its linkage stays as told; lengths over angles tell another: {error}"
+                f"{axis}: its linkage stays as stated; lengths over angles tell another: {error}"
             )
             continue
         result.machine = with_part(result.machine, axis, drive)
@@ -207,7 +213,7 @@ def _is_loose(e: Estimate) -> bool:
 def _refine(result: Result, session: Session, progress: Callable[[], None]) -> None:
     """Refine the result by one session."""
     known = result.known
-    done = refinement.refine(result.machine, session, known, progress, result.told)
+    done = refinement.refine(result.machine, session, known, progress, result.stated)
     if done is None:
         return
     work, fit = done
@@ -229,9 +235,9 @@ def _refine(result: Result, session: Session, progress: Callable[[], None]) -> N
             positive=is_positive(key),
             withheld=not explained,
         )
-    # A record of the crane hangs on told numbers: it must not move what the rigs told without them, nor tell
-    # what it is not made for: friction that it takes for damping, the next record could not forget. One that
-    # the model does not explain moves nothing.
+    # A record of the crane hangs on stated numbers: it must not move what the rigs told without them, nor
+    # tell what it is not made for: friction that it takes for damping, the next record could not forget. One
+    # that the model does not explain moves nothing.
     posterior = fit.posterior
     if session.on_crane:
         untold = [key for key in work.carried if key not in known.names]
@@ -241,7 +247,7 @@ def _refine(result: Result, session: Session, progress: Callable[[], None]) -> N
 
 
 def _tells(posterior: GaussianEstimate, known: GaussianEstimate, key: str) -> bool:
-    """Tell whether a record knows a number better than it was known, told numbers counted."""
+    """Tell whether a record knows a number better than it was known, stated numbers counted."""
     return key not in known.names or posterior.spread(key) <= known.spread(key)
 
 
@@ -280,7 +286,7 @@ def _update(result: Result) -> None:
         if key in known.names:
             error = known.of(key)[1] * (values[key] if e.positive else 1.0)  # by its logarithm
             found = e._replace(value=values[key], standard_error=error)
-            result.estimates[key] = told_numbers.with_told(found, known, list(result.told)).checked()
+            result.estimates[key] = stated_numbers.with_stated(found, known, list(result.stated)).checked()
     result.machine = possible_numbers.applied(result, values)
 
 

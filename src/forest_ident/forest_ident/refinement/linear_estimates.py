@@ -88,7 +88,7 @@ def estimates(machine: Machine, session: Session) -> list[Estimate]:
 
 
 def _masses(machine: Machine, session: Session) -> list[Estimate]:
-    """Return head and boom from forces at rest; the stick is taken as told, for it pulls as the head does."""
+    """Return head and boom from forces at rest; the stick, which pulls as the head does, is as stated."""
     names = [key.rpartition(".")[2] for key in MASSES if value_of(machine, key) > 0.0]
     count = len(gravity.poses(machine, session)[0])
     _require(session, count >= POSES, f"{count} poses at rest", f"{POSES} or more")

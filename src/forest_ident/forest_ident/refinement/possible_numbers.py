@@ -49,9 +49,9 @@ def _with(result: Result, machine: Machine, key: str, value: float) -> Machine:
 
 
 def _without(result: Result, machine: Machine, key: str, value: float, why: str) -> Machine:
-    """Return the machine with a number as told before."""
+    """Return the machine with a number as stated before."""
     before = value_in(result.start, key)
-    kept = "left out" if before is None else f"{before:.5g} is kept as told"
+    kept = "left out" if before is None else f"{before:.5g} is kept as stated"
     number = f"{value:.5g}" if math.isfinite(value) else "no number"
     remark = f"{key}: found {number}, which is impossible ({why}); {kept}; it takes {excitation_for(key)}"
     result.remarks.append(remark)

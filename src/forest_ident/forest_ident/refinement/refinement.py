@@ -7,7 +7,7 @@ within the bench's interval. `refinement_task` names the parameters and channels
 
 import dataclasses
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from types import MappingProxyType
 
 import numpy as np
@@ -21,12 +21,12 @@ from forest_ident.measurements import sample_mask
 from forest_ident.measurements.parameter_path import value_of, with_directions, with_part, with_values
 from forest_ident.measurements.session import Session, SessionError
 from forest_ident.output_error import noise_model
-from forest_ident.output_error.fit_problem import Fit, Unknown
+from forest_ident.output_error.fit_problem import Channel, Columns, Fit, Unknown
 from forest_ident.output_error.gaussian_estimate import GaussianEstimate, widened
 from forest_ident.output_error.output_error import Model, fit
 from forest_ident.output_error.prediction import ROUGH, STEP, Offsets, predict, redrawn
 from forest_ident.refinement import extension_keys
-from forest_ident.refinement.refinement_task import INERTIAS, START, Task, is_parameter, task, told
+from forest_ident.refinement.refinement_task import INERTIAS, START, Task, is_parameter, stated_keys, task
 
 UNKNOWN = 0.4  # prior standard deviation of what no experiment has estimated yet: relative, or volts
 SETTLED = 0.25  # [s] after a change of voltage
@@ -48,7 +48,7 @@ def refine(
         session: the record.
         known: what earlier experiments found.
         progress: called after every simulation.
-        errors: standard deviation of every told number, by key; those that a record does not feel do not
+        errors: standard deviation of every stated number, by key; those that a record does not feel do not
             move it.
     """
     work = task(machine, session)
@@ -59,6 +59,40 @@ def refine(
     if session.kind == "deadband":
         machine = with_directions(machine, f"{session.own_axis}.valve")
     unknowns = [*_unknowns(machine, session, work), *_start_pressures(machine, session, work, known)]
+    channels = _channels(machine, session, work)
+    # Static errors stay, the noise of the means that a session starts from is its own.
+    noise = {name: noise_model.start_noise(machine, session, name) for name in ANGLES}
+    corrected = calibration.corrected(session, machine)
+
+    def driven_by(inputs: Session, step: float = STEP) -> Model:
+        return lambda values: _predicted(machine, inputs, values, step)
+
+    felt = stated_keys(machine, session)
+    moved = [
+        {key: stated_value(machine, key) + error} if key in felt else {} for key, error in errors.items()
+    ]
+    again = () if session.on_rig else [driven_by(one, ROUGH) for one in redrawn(machine, corrected)]
+    done = fit(
+        driven_by(corrected),
+        _measured(session, channels),
+        channels,
+        unknowns,
+        progress,
+        prior=widened(known, noise),
+        redrawn=again,
+        stated=moved,
+        rough=driven_by(corrected, ROUGH) if session.on_crane else None,
+    )
+    rounded = extension_keys.rounding(done.values)
+    return work, done._replace(posterior=widened(done.posterior, rounded))
+
+
+def _channels(machine: Machine, session: Session, work: Task) -> list[Channel]:
+    """Return the channels that count.
+
+    Raises:
+        SessionError: there is none.
+    """
     sensed = dataclasses.replace(machine, sensors=test_rig.meters(machine)) if session.on_rig else machine
     channels = noise_model.channels(sensed, session, work.channels)
     if not channels:
@@ -66,36 +100,17 @@ def refine(
         raise SessionError(
             f"{session.name}: no sensor reads all the time and moves; it takes one of {wanted}"
         )
-    # Static errors stay, the noise of the means that a session starts from is its own.
-    noise = {name: noise_model.start_noise(machine, session, name) for name in ANGLES}
+    return channels
+
+
+def _measured(session: Session, channels: Sequence[Channel]) -> Columns:
+    """Return what the channels read; NaN where it does not count."""
     measured = sample_mask.fresh({c.name: session.column(c.name) for c in channels})
-    if session.on_rig:
-        floor = max((c.floor for c in channels), default=0.0)
-        settled = SETTLED if session.kind == "valve" else 0.0
-        measured = sample_mask.while_open(measured, session, settled, floor)
-    else:
-        measured = sample_mask.without_start(measured, session)
-    corrected = calibration.corrected(session, machine)
-
-    def driven_by(inputs: Session, step: float = STEP) -> Model:
-        return lambda values: _predicted(machine, inputs, values, step)
-
-    felt = told(machine, session)
-    moved = [{key: told_value(machine, key) + error} if key in felt else {} for key, error in errors.items()]
-    again = () if session.on_rig else [driven_by(one, ROUGH) for one in redrawn(machine, corrected)]
-    done = fit(
-        driven_by(corrected),
-        measured,
-        channels,
-        unknowns,
-        progress,
-        prior=widened(known, noise),
-        redrawn=again,
-        told=moved,
-        rough=driven_by(corrected, ROUGH) if session.on_crane else None,
-    )
-    rounded = extension_keys.rounding(done.values)
-    return work, done._replace(posterior=widened(done.posterior, rounded))
+    if not session.on_rig:
+        return sample_mask.without_start(measured, session)
+    floor = max((c.floor for c in channels), default=0.0)
+    settled = SETTLED if session.kind == "valve" else 0.0
+    return sample_mask.while_open(measured, session, settled, floor)
 
 
 def _unknowns(machine: Machine, session: Session, work: Task) -> list[Unknown]:
@@ -168,7 +183,7 @@ def prepared(machine: Machine, session: Session) -> Machine:
     return with_part(machine, "manipulator.platform_tilt", tilt)
 
 
-def told_value(machine: Machine, key: str) -> float:
+def stated_value(machine: Machine, key: str) -> float:
     """Return what is told of a number: the machine's, 1 of a factor."""
     return 1.0 if key in INERTIAS else value_of(machine, key)
 

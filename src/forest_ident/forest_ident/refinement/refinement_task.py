@@ -51,8 +51,8 @@ def is_parameter(name: str) -> bool:
     return name not in NUISANCES and not name.startswith((START, "rig.load"))
 
 
-def told(machine: Machine, session: Session) -> tuple[str, ...]:
-    """Return the told numbers that a record of the crane feels."""
+def stated_keys(machine: Machine, session: Session) -> tuple[str, ...]:
+    """Return the stated numbers that a record of the crane feels."""
     if not session.on_crane:
         return ()
     axis = AXES[_axis(machine, session)]
@@ -70,22 +70,34 @@ class Task(NamedTuple):
 
 def task(machine: Machine, session: Session) -> Task | None:
     """Return what a session's refinement estimates; None for a session that is only checked."""
+    tasks = _tasks(machine, session)
+    found = tasks.get(session.name, tasks.get(session.kind))
+    if found is None:
+        return None
     axis = _axis(machine, session)
-    name, drive = AXES[axis], machine.drives[axis]
-    valve, hose = valve_section(machine, axis), hose_section(machine, axis)
+    name = AXES[axis]
+    valve = valve_section(machine, axis)
+    free = (*found.free, *extension_keys.told_by(machine, session.kind, name, valve))
+    felt = extension_keys.felt_by(machine, session.kind, () if session.on_rig else (name,))
+    carried = (*found.carried, *(key for key in felt if key not in free))
+    return _of_machine(machine, found._replace(free=free, carried=carried))
+
+
+def _tasks(machine: Machine, session: Session) -> dict[str, Task]:
+    """Return the refinements of an axis, by the name or the kind of their session."""
+    axis = _axis(machine, session)
+    name, valve = AXES[axis], valve_section(machine, axis)
     pump = tuple(f"pump.{key}" for key in machine.pump.identifiable)
     ways = [tuple(f"{part}.{key}" for key in VALVE) for part in (valve, f"{valve}.backward")]
     spool = _spool_keys(machine, valve)
     law = (*ways[0], *ways[1], f"{valve}.port_2_area", *spool)
-    laminar = session.metadata.get("laminar", 0.0) > 0.0
-    regime = drive.flow_regime if session.on_crane else "laminar" if laminar else "turbulent"
-    line = tuple(f"{hose}.{part}" for part in (f"{regime}_resistance", "inertance", "capacitance"))
+    line = _line_keys(machine, session, axis)
     leakage = LEAKAGE if axis == 0 else ()
     ports = (f"{name}_pressure_1_actuator", f"{name}_pressure_2_actuator")
     axis_channels = (f"{name}_resolver", f"{name}_transducer", *ports, f"{name}_flow")
     supplied, drained = (*axis_channels, "supply_pressure"), (*axis_channels, "case_drain")
     own, back = f"{name}.valve", f"{name}.valve.backward"
-    tasks = {
+    return {
         # Between valve and load lies a short piece of hose, which has not been measured yet.
         "valve": Task((*law, *pump), line, VALVE_RIG, ("rig.load",)),
         "spool": Task(spool, (), ("swing_spool",), ()),
@@ -112,13 +124,14 @@ def task(machine: Machine, session: Session) -> Task | None:
         ),
         "damping": Task((f"{name}.damping",), (*law, *line, *leakage, *pump, *MASSES), supplied),
     }
-    found = tasks.get(session.name, tasks.get(session.kind))
-    if found is None:
-        return None
-    free = (*found.free, *extension_keys.told_by(machine, session.kind, name, valve))
-    felt = extension_keys.felt_by(machine, session.kind, () if session.on_rig else (name,))
-    carried = (*found.carried, *(key for key in felt if key not in free))
-    return _of_machine(machine, found._replace(free=free, carried=carried))
+
+
+def _line_keys(machine: Machine, session: Session, axis: int) -> tuple[str, ...]:
+    """Return the keys of an axis' hose: its resistance is that of the flow regime of the record."""
+    laminar = session.metadata.get("laminar", 0.0) > 0.0
+    regime = machine.drives[axis].flow_regime if session.on_crane else "laminar" if laminar else "turbulent"
+    hose = hose_section(machine, axis)
+    return tuple(f"{hose}.{part}" for part in (f"{regime}_resistance", "inertance", "capacitance"))
 
 
 def simulations(machine: Machine, session: Session) -> float:
@@ -128,7 +141,7 @@ def simulations(machine: Machine, session: Session) -> float:
         return 0.0
     starts = len(work.channels) if session.on_crane else 0  # pressures at the start are unknown, too
     derivatives = len(work.free) + len(work.carried) + len(work.nuisances) + starts
-    return OF_DERIVATIVES * derivatives + len(told(machine, session)) + STEPS
+    return OF_DERIVATIVES * derivatives + len(stated_keys(machine, session)) + STEPS
 
 
 def _gravity(machine: Machine, pump: tuple[str, ...]) -> Task:

@@ -53,9 +53,9 @@ class Result:
     stranger: str = ""
     """The only record that is not explained, where the others agree with each other."""
     known: GaussianEstimate = EMPTY
-    """Mean and covariance of all, as if all told numbers were right, and how these would move it."""
-    told: dict[str, float] = field(default_factory=dict)
-    """Standard deviation of each told number."""
+    """Mean and covariance of all, as if all stated numbers were right, and how these would move it."""
+    stated: dict[str, float] = field(default_factory=dict)
+    """Standard deviation of each stated number."""
 
 
 def table(result: Result) -> list[tuple[Estimate, float | None]]:

@@ -91,8 +91,8 @@ def _quantity(value: float, unit: str, source: str) -> str:
 def _estimate(e: Estimate, doubt: str) -> str:
     _, low, high = e.formatted()
     told = (
-        f"; {100.0 * e.told:.0f} % of its variance from told numbers, most from {e.most}"
-        if e.told > 0.005
+        f"; {100.0 * e.stated:.0f} % of its variance from stated numbers, most from {e.most}"
+        if e.stated > 0.005
         else ""
     )
     doubtful = f"; not trusted: {doubt}" if doubt else ""
@@ -145,7 +145,9 @@ def _other_direction(section: str, result: Result) -> dict[str, str]:
     if not any(key in result.estimates for key in keys):
         return {}
     missing = [key for key in keys if key not in result.estimates]
-    return {key: _quantity(value_of(result.machine, key), unit_of(key), "as told before") for key in missing}
+    return {
+        key: _quantity(value_of(result.machine, key), unit_of(key), "as stated before") for key in missing
+    }
 
 
 def _tree(entries: dict[str, str]) -> dict[str, Any]:

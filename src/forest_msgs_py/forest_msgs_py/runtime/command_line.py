@@ -8,8 +8,11 @@ import contextlib
 import math
 import sys
 from collections.abc import Callable
-from typing import TextIO
+from typing import TextIO, TypeAlias
 
+Subcommands: TypeAlias = "argparse._SubParsersAction[argparse.ArgumentParser]"
+Command: TypeAlias = Callable[[argparse.Namespace], int]
+"""Takes a subcommand's options, and returns the exit code."""
 LARGEST = 2**31 - 1  # whole number that a flag takes: seeds are as large
 
 
@@ -38,6 +41,28 @@ def whole(low: int, high: int = LARGEST) -> Callable[[str], int]:
         return int(text)
 
     return read
+
+
+def subcommand(
+    commands: Subcommands,
+    name: str,
+    text: str,
+    command: Command | None = None,
+    epilog: str | None = None,
+) -> argparse.ArgumentParser:
+    """Add a subcommand to a program; return its parser.
+
+    Args:
+        commands: of the program.
+        name: of the subcommand.
+        text: what it does; begins with a small letter, and has no full stop.
+        command: of the subcommand; None: it has subcommands itself.
+        epilog: behind its arguments' help.
+    """
+    parser = commands.add_parser(name, help=text, description=f"{text[0].upper()}{text[1:]}.", epilog=epilog)
+    if command is not None:
+        parser.set_defaults(command=command)
+    return parser
 
 
 class StatusLine:
@@ -82,7 +107,7 @@ def run(program: str, options: argparse.Namespace, errors: tuple[type[Exception]
         options: parsed arguments; `options.command` takes them and returns an exit code.
         errors: exceptions whose text is the sentence; OSError always is one.
     """
-    command: Callable[[argparse.Namespace], int] = options.command
+    command: Command = options.command
     try:
         return command(options)
     except KeyboardInterrupt:

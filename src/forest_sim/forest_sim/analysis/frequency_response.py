@@ -45,7 +45,7 @@ def rate_response(
     spools[axis] = voltage
     point = operating_point(angles, (spools[0], spools[1], spools[2]), p)
     a, kept = linearise(point, p)
-    x = np.array([*states(point.plant), *(lifts.compensator for lifts in point.amid.lifts)])
+    x = np.array([*states(point.plant), *(lifts.compensator for lifts in point.midpoint.lifts)])
     up, down = (rates_at(x, _moved(point.spools, axis, by), point, p) for by in (DIFFERENCE, -DIFFERENCE))
     b = (up - down)[list(kept)] / (2.0 * DIFFERENCE)
     if not b.any():

@@ -8,7 +8,7 @@ from forest_description.config.parameter import choice_of, fields_of, parameter_
 from forest_description.derived.actuator_kinematics import rated_speeds
 from forest_description.derived.limits import joint_limits, workspace_limits
 from forest_description.derived.line_bandwidth import one_lump_warnings
-from forest_description.hydraulics.load_holding import CounterbalanceValve
+from forest_description.hydraulics.load_holding_parameters import CounterbalanceValve
 from forest_description.machine import Machine
 from forest_description.types import AXES, Vec3
 from forest_sim.analysis.friction_linearisation import (

@@ -38,7 +38,6 @@ from forest_sim.equations.multibody import HeadState
 from forest_sim.equations.plant import AxisState, PlantState, state_derivative
 from forest_sim.equations.plant_parameters import NO_GUARD, PlantParameters
 from forest_sim.equations.valve_ports import Ports, ports_at
-from forest_sim.half_step.compensator_step import openings_after
 from forest_sim.hydraulics.command_history import held_commands
 from forest_sim.hydraulics.compensator import NONE
 from forest_sim.hydraulics.load_holding import is_held, restriction
@@ -47,6 +46,7 @@ from forest_sim.hydraulics.pump_drive import PumpState
 from forest_sim.hydraulics.spool_dynamics import STUCK, Spool, Spools
 from forest_sim.hydraulics.supply import SupplyState
 from forest_sim.mechanics.end_stop import NO_STOP, UNCUSHIONED
+from forest_sim.midpoint.compensator_step import openings_after
 from forest_sim.solver.compiled_plant import ready_advance
 from forest_sim.solver.equilibrium import equilibrium
 from forest_sim.solver.integrator import Simulation, advance, ports_of
@@ -124,7 +124,7 @@ def operating_point(angles: Vec3, spools: Vec3, p: PlantParameters) -> Simulatio
     for _ in range(round(SETTLING / SETTLING_STEP)):
         after = move(held, spools, SETTLING_STEP, 1, still)
         plant = _brought_back(after.plant, angles, p)
-        held = held._replace(plant=plant, amid=after.amid._replace(jets=held.amid.jets))
+        held = held._replace(plant=plant, midpoint=after.midpoint._replace(jets=held.midpoint.jets))
     return held
 
 
@@ -146,7 +146,7 @@ def _flows(
     """Tell whether the flow through hose 1 or 2 of an axis (port 0 or 1) is a state: nothing shuts it."""
     state, valves = point.plant.axes[axis], (p.axes[axis].holding_1, p.axes[axis].holding_2)
     flow = -state.flow_2 if port else state.flow_1
-    held = restriction(point.amid.lifts[axis][port], valves[port])
+    held = restriction(point.midpoint.lifts[axis][port], valves[port])
     spool = ports[axis].port_2 if port else ports[axis].port_1
     return not is_shut(spool) and not is_held(flow, held)
 
@@ -174,7 +174,7 @@ def linearise(point: Simulation, p: PlantParameters) -> tuple[Floats, tuple[int,
         place for place in range(ROOTS, COMPENSATORS) if p.elastic.links[(place - ROOTS) // 2].inertia > 0.0
     ]
     kept += [COMPENSATORS + axis for axis in range(3) if _meters(ports[axis], axis, p)]
-    x = np.array([*states(point.plant), *(lifts.compensator for lifts in point.amid.lifts)])
+    x = np.array([*states(point.plant), *(lifts.compensator for lifts in point.midpoint.lifts)])
     columns = []
     for place in kept:
         d = _difference(place)
@@ -196,9 +196,10 @@ def rates_at(x: Floats, spools: Spools, point: Simulation, p: PlantParameters) -
     """
     plant, openings = _shaped(x), x[COMPENSATORS:].tolist()
     one, two, three = (
-        lifts._replace(compensator=opening) for lifts, opening in zip(point.amid.lifts, openings, strict=True)
+        lifts._replace(compensator=opening)
+        for lifts, opening in zip(point.midpoint.lifts, openings, strict=True)
     )
-    ports = ports_at(spools, p, (one, two, three), point.amid.tank.seen)
+    ports = ports_at(spools, p, (one, two, three), point.midpoint.tank.seen)
     balanced = openings_after(plant, (one, two, three), spools, spools, math.inf, p)
     moving = [
         (there.compensator - opening) / valve.compensator.response_time

@@ -78,8 +78,8 @@ def _voltage(
     state = there.plant.axes[axis]
     a = hydraulics.actuator
     force = a.displacement_1 * state.pressure_1 - a.displacement_2 * state.pressure_2
-    left = _left(force, there.plant.supply.pressure, there.amid.tank.pressure, forward, hydraulics)
-    here = _left(force, now.plant.supply.pressure, now.amid.tank.pressure, forward, hydraulics)
+    left = _left(force, there.plant.supply.pressure, there.midpoint.tank.pressure, forward, hydraulics)
+    here = _left(force, now.plant.supply.pressure, now.midpoint.tank.pressure, forward, hydraulics)
     if opening < LEAST or left <= 0.0 or here <= 0.0:
         return 0.0
     behind = _position(there.plant, axis, before) - _position(now.plant, axis, p)

@@ -42,7 +42,7 @@ from forest_sim.simulation.open_loop import (
     substeps,
 )
 from forest_sim.simulation.sensor_log import EXACT, Sensing, SensorLog
-from forest_sim.simulation.trajectory_files import DecimatedRows, TrajectoryFiles, path_in_errors
+from forest_sim.simulation.trajectory_files import DecimatedRows, Rows, TrajectoryFiles, path_in_errors
 from forest_sim.simulation.voltage_profiles import Voltages
 from forest_sim.solver.equilibrium import equilibrium
 
@@ -134,19 +134,24 @@ def simulate(
             if stopped:
                 raise KeyboardInterrupt
     progress.end()
-    result = summary.result(run, voltages.name, angles)
+    drawn = _summarize(summary.result(run, voltages.name, angles), kept.columns(), machine, out)
+    print("\n".join(f"  {path}" for path in (files.bag, files.csv, out / "summary.json", *drawn)))
+    return 0
+
+
+def _summarize(result: dict[str, Any], columns: Rows, machine: Machine, out: Path) -> Sequence[Path]:
+    """Write summary and pictures of a run, and print what a person looks for; return the pictures."""
     from forest_sim.analysis.plots import (
         draw_run,  # matplotlib takes half a second: no bad argument waits for it
     )
 
     with path_in_errors(out):
         (out / "summary.json").write_text(json.dumps(result, indent=2) + "\n", encoding="utf-8")
-        drawn = draw_run(kept.columns(), machine, out)
+        drawn = draw_run(columns, machine, out)
     print(run_summary.table(result))
     for warning in run_summary.run_warnings(result):
         print(f"forest-sim: {warning}", file=sys.stderr)
-    print("\n".join(f"  {path}" for path in (files.bag, files.csv, out / "summary.json", *drawn)))
-    return 0
+    return drawn
 
 
 def compare_pumps(machine: Machine, voltages: Voltages, angles: Vec3, run: Run, out: Path) -> int:
@@ -199,6 +204,28 @@ def compare_machines(
 
 def show_equilibrium(machine: Machine, angles: Vec3, as_json: bool) -> int:
     """Print how the machine rests at a pose with its valves shut."""
+    result = _rest(machine, angles)
+    if as_json:
+        print(json.dumps(result, indent=2))
+        return 0
+    tip = ", ".join(f"{x:.3f}" for x in result["tip_m"])
+    print(f"  tip ({tip}) m, supply {result['supply_pressure_pa'] / 1e6:.2f} MPa")
+    print(f"  {'':<6} {'angle':>9} {'port 1':>10} {'port 2':>10} {'cylinder':>11} {'joint':>12}")
+    for axis in AXES:
+        one = result[axis]
+        force = f"{one['cylinder_force_n'] / 1e3:.1f} kN" if "cylinder_force_n" in one else ""
+        print(
+            f"  {axis:<6} {math.degrees(one['angle_rad']):5.1f} deg {one['pressure_1_pa'] / 1e6:6.2f} MPa "
+            f"{one['pressure_2_pa'] / 1e6:6.2f} MPa {force:>11} {one['joint_torque_nm'] / 1e3:7.1f} kN m"
+        )
+    bent = [(axis, result[axis]["deflection_rad"]) for axis in AXES if "deflection_rad" in result[axis]]
+    if bent:
+        print(f"  deflection [mrad]: {', '.join(f'{axis} {1e3 * way:.2f}' for axis, way in bent)}")
+    return 0
+
+
+def _rest(machine: Machine, angles: Vec3) -> dict[str, Any]:
+    """Return how the machine rests at a pose [rad], in SI units."""
     p = plant_parameters(machine)
     rest = equilibrium(angles, p)
     held = true_joints(rest, p)
@@ -207,10 +234,9 @@ def show_equilibrium(machine: Machine, angles: Vec3, as_json: bool) -> int:
         axis.actuator.displacement_1 * state.pressure_1 - axis.actuator.displacement_2 * state.pressure_2
         for state, axis in zip(plant.axes, p.axes, strict=True)
     ]
-    tip = tip_position(held.position, machine.manipulator.links)
     result: dict[str, Any] = {
         "machine": machine.name,
-        "tip_m": list(tip),
+        "tip_m": list(tip_position(held.position, machine.manipulator.links)),
         "supply_pressure_pa": plant.supply.pressure,
     }
     for place, (axis, state) in enumerate(zip(AXES, plant.axes, strict=True)):
@@ -223,21 +249,7 @@ def show_equilibrium(machine: Machine, angles: Vec3, as_json: bool) -> int:
         }
         if p.elastic.present:
             result[axis]["deflection_rad"] = bent[place]
-    if as_json:
-        print(json.dumps(result, indent=2))
-        return 0
-    print(f"  tip ({', '.join(f'{x:.3f}' for x in tip)}) m, supply {plant.supply.pressure / 1e6:.2f} MPa")
-    print(f"  {'':<6} {'angle':>9} {'port 1':>10} {'port 2':>10} {'cylinder':>11} {'joint':>12}")
-    for place, (axis, state) in enumerate(zip(AXES, plant.axes, strict=True)):
-        force = "" if place == 0 else f"{forces[place] / 1e3:.1f} kN"
-        print(
-            f"  {axis:<6} {math.degrees(state.angle):5.1f} deg {state.pressure_1 / 1e6:6.2f} MPa "
-            f"{state.pressure_2 / 1e6:6.2f} MPa {force:>11} {held.effort[place] / 1e3:7.1f} kN m"
-        )
-    if p.elastic.present:
-        given = ", ".join(f"{axis} {1e3 * way:.2f}" for axis, way in zip(AXES, bent, strict=True))
-        print(f"  deflection [mrad]: {given}")
-    return 0
+    return result
 
 
 def show_modes(machine: Machine, angles: Vec3, spools: Vec3, as_json: bool) -> int:

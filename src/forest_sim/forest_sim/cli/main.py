@@ -9,7 +9,7 @@ import contextlib
 import math
 import signal
 import sys
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 from forest_description.config.parameter import MachineError
@@ -18,7 +18,7 @@ from forest_description.derived.temperature import at_temperature
 from forest_description.machine import Machine, load_machine
 from forest_description.types import AXES, Vec3
 from forest_msgs_py.runtime import command_line
-from forest_msgs_py.runtime.command_line import number, whole
+from forest_msgs_py.runtime.command_line import Command, Subcommands, number, subcommand, whole
 from forest_sim.simulation import voltage_profiles
 from forest_sim.simulation.load import Loads, parse_loads
 from forest_sim.simulation.open_loop import Run, RunError, require_within_limits, start_angles
@@ -56,6 +56,42 @@ def _parser() -> argparse.ArgumentParser:
         prog=PROGRAM, description="Simulate and examine a crane without a running graph.", epilog=EPILOGUE
     )
     commands = parser.add_subparsers(title="commands", required=True, metavar="COMMAND")
+    _add_simulate(commands)
+    pumps = _command(commands, "pumps", _pumps, "the same motion on the four sorts of pump: power and energy")
+    _add_run(pumps)
+    compared = _command(commands, "compare", _compare, "the same input on several machines: one axis, drawn")
+    compared.add_argument("machines", nargs="+", metavar="NAME|FILE", help="two or more machines")
+    compared.add_argument("--axis", choices=AXES, default="boom", help="that is drawn; default: boom")
+    _add_run(compared)
+    _add_loads(compared)
+    rest = _command(commands, "equilibrium", _equilibrium, "pressures, forces and torques at rest at a pose")
+    _add_pose(rest)
+    rest.add_argument("--json", action="store_true", help="print JSON in SI units")
+    _add_modes(commands)
+    _add_export(commands)
+    check = _command(commands, "check", _check, "load a machine file and tell what it amounts to")
+    check.add_argument("machine", metavar="FILE", help="machine file or name")
+    return parser
+
+
+def _command(
+    commands: Subcommands,
+    name: str,
+    function: Command,
+    text: str,
+) -> argparse.ArgumentParser:
+    parser = subcommand(commands, name, text, function, EPILOGUE)
+    parser.set_defaults(parser=parser)
+    if name not in ("check", "compare"):
+        parser.add_argument("--machine", default="c180", metavar="NAME|FILE", help="default: %(default)s")
+    celsius = number(-60.0, 200.0, "degC")
+    parser.add_argument(
+        "--temperature", type=celsius, metavar="C", help="of all oil [degC]; default: the file's"
+    )
+    return parser
+
+
+def _add_simulate(commands: Subcommands) -> None:
     simulate = _command(commands, "simulate", _simulate, "run a machine over an input: MCAP, CSV, pictures")
     _add_run(simulate)
     simulate.add_argument(
@@ -82,16 +118,9 @@ def _parser() -> argparse.ArgumentParser:
         metavar="TEXT",
         help="such as 'boom_resolver: frozen from 2 s; swing_flow: absent'",
     )
-    pumps = _command(commands, "pumps", _pumps, "the same motion on the four sorts of pump: power and energy")
-    _add_run(pumps)
-    compared = _command(commands, "compare", _compare, "the same input on several machines: one axis, drawn")
-    compared.add_argument("machines", nargs="+", metavar="NAME|FILE", help="two or more machines")
-    compared.add_argument("--axis", choices=AXES, default="boom", help="that is drawn; default: boom")
-    _add_run(compared)
-    _add_loads(compared)
-    rest = _command(commands, "equilibrium", _equilibrium, "pressures, forces and torques at rest at a pose")
-    _add_pose(rest)
-    rest.add_argument("--json", action="store_true", help="print JSON in SI units")
+
+
+def _add_modes(commands: Subcommands) -> None:
     modes = _command(
         commands, "modes", _modes, "natural frequencies and damping at a pose or over the workspace"
     )
@@ -108,6 +137,9 @@ def _parser() -> argparse.ArgumentParser:
     modes.add_argument("--map", action="store_true", help="over the workspace, valves shut; needs --out")
     modes.add_argument("--spacing", type=number(0.02, 2.0, "m"), default=0.1, help="of the map; default: 0.1")
     modes.add_argument("--out", type=Path, metavar="DIR", help="directory to be made for the map")
+
+
+def _add_export(commands: Subcommands) -> None:
     exported = commands.add_parser(
         "export",
         help="a machine as an FMU, for Simulink, Amesim, OpenModelica and others",
@@ -119,28 +151,6 @@ def _parser() -> argparse.ArgumentParser:
     exported.add_argument(
         "--out", type=Path, metavar="FILE.fmu", help="to be made; default: the machine's name"
     )
-    check = _command(commands, "check", _check, "load a machine file and tell what it amounts to")
-    check.add_argument("machine", metavar="FILE", help="machine file or name")
-    return parser
-
-
-def _command(
-    commands: "argparse._SubParsersAction[argparse.ArgumentParser]",
-    name: str,
-    function: Callable[[argparse.Namespace], int],
-    text: str,
-) -> argparse.ArgumentParser:
-    parser = commands.add_parser(
-        name, help=text, description=text[0].upper() + text[1:] + ".", epilog=EPILOGUE
-    )
-    parser.set_defaults(command=function, parser=parser)
-    if name not in ("check", "compare"):
-        parser.add_argument("--machine", default="c180", metavar="NAME|FILE", help="default: %(default)s")
-    celsius = number(-60.0, 200.0, "degC")
-    parser.add_argument(
-        "--temperature", type=celsius, metavar="C", help="of all oil [degC]; default: the file's"
-    )
-    return parser
 
 
 def _add_run(parser: argparse.ArgumentParser) -> None:

@@ -14,7 +14,7 @@ from typing import NamedTuple
 
 from forest_description.types import Vec3
 from forest_sim.equations.plant_parameters import PlantParameters
-from forest_sim.mechanics.manipulator import Pair, dynamics, tip_load_torques
+from forest_sim.mechanics.manipulator import Dynamics, Pair, dynamics, tip_load_torques
 from forest_sim.mechanics.pendulum import pendulum_damping, pendulum_dynamics
 
 
@@ -68,18 +68,7 @@ def mechanics(q: Vec3, rates: Vec3, head: HeadState, p: PlantParameters) -> Mech
         load = tip_load_torques(q, p.tip_force, p.body)
         bias = (bias[0] - load[0], bias[1] - load[1], bias[2] - load[2])
     if p.head.mass == 0.0:
-        inertia = Inertia(
-            m_11=d.m_11,
-            m_12=0.0,
-            m_13=0.0,
-            m_22=d.m_22,
-            m_23=d.m_23,
-            m_33=d.m_33,
-            coupling=NOT_COUPLED,
-            m_alpha=0.0,
-            m_beta=0.0,
-        )
-        return Mechanics(inertia, bias, (0.0, 0.0))
+        return Mechanics(_without_head(d), bias, (0.0, 0.0))
     angle_rates = head.alpha_rate, head.beta_rate
     h = pendulum_dynamics(q, rates, (head.alpha, head.beta), angle_rates, p.head, p.body)
     damping = pendulum_damping(rates, angle_rates, p.head)
@@ -101,6 +90,21 @@ def mechanics(q: Vec3, rates: Vec3, head: HeadState, p: PlantParameters) -> Mech
             bias[2] + h.crane_bias[2] - damping.crane[2],
         ),
         (h.head_bias[0] - damping.head[0], h.head_bias[1] - damping.head[1]),
+    )
+
+
+def _without_head(d: Dynamics) -> Inertia:
+    """Return the matrix of a crane from which nothing hangs."""
+    return Inertia(
+        m_11=d.m_11,
+        m_12=0.0,
+        m_13=0.0,
+        m_22=d.m_22,
+        m_23=d.m_23,
+        m_33=d.m_33,
+        coupling=NOT_COUPLED,
+        m_alpha=0.0,
+        m_beta=0.0,
     )
 
 

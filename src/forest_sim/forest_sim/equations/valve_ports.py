@@ -2,7 +2,7 @@
 
 A positive spool position connects port 1 to the supply and port 2 to the tank (Appendix B's only
 case); a negative one the reverse. Spools, poppets, compensators and the tank line are no states:
-`half_step` knows them half a step from the states, and the ports tell how they stand.
+`midpoint` knows them half a step from the states, and the ports tell how they stand.
 """
 
 import math

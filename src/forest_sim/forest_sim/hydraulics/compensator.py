@@ -25,7 +25,7 @@ the balance of the compensator's spool; its flow forces are in the control range
 import math
 from typing import NamedTuple
 
-from forest_description.hydraulics import compensator as parameters
+from forest_description.hydraulics import compensator_parameters as parameters
 
 NONE, BEFORE, AFTER = 0, 1, 2
 """Sorts of compensator."""

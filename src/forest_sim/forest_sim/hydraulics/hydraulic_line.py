@@ -164,41 +164,17 @@ def _solve_with_port_valve(
     slope, retained = step / yielding, line.capacitance / yielding  # dP/dQ; dP/d(pressure)
     offset = retained * pressure - slope * outflow  # P at Q = 0
     if is_shut(port):
-        return LineSolution(
-            pressure=offset,
-            flow=0.0,
-            stiffness=slope,
-            flow_gain=0.0,
-            port_pressure=offset,
-            port_stiffness=slope,
-            slope=slope,
-        )
+        return _behind_shut_port(offset, slope)
     gain = step / line.inertance
     share = 1.0 / (1.0 + gain * slope)
     intercept, admittance = share * (flow - gain * offset), share * gain
     checked = apply_load_check(intercept + admittance * supply, port, supply)
     if is_shut(checked):
-        return LineSolution(
-            pressure=offset,
-            flow=0.0,
-            stiffness=slope,
-            flow_gain=0.0,
-            port_pressure=offset,
-            port_stiffness=slope,
-            slope=slope,
-        )
+        return _behind_shut_port(offset, slope)
     p, passed = solve_port(intercept, admittance, checked, supply)
     if p < checked.vapour:
         q = port_flow(checked.vapour, checked, supply)
-        return LineSolution(
-            pressure=offset + slope * q,
-            flow=q,
-            stiffness=slope,
-            flow_gain=0.0,
-            port_pressure=checked.vapour,
-            port_stiffness=0.0,
-            slope=slope,
-        )
+        return _behind_torn_oil(offset + slope * q, q, checked.vapour, slope)
     q = intercept + admittance * p
     flow_gain = passed * admittance * slope
     return LineSolution(
@@ -208,6 +184,32 @@ def _solve_with_port_valve(
         flow_gain=flow_gain,
         port_pressure=p,
         port_stiffness=slope * (1.0 - passed),
+        slope=slope,
+    )
+
+
+def _behind_shut_port(pressure: float, slope: float) -> LineSolution:
+    """Return a hose into which nothing flows; its port has its pressure."""
+    return LineSolution(
+        pressure=pressure,
+        flow=0.0,
+        stiffness=slope,
+        flow_gain=0.0,
+        port_pressure=pressure,
+        port_stiffness=slope,
+        slope=slope,
+    )
+
+
+def _behind_torn_oil(pressure: float, flow: float, vapour: float, slope: float) -> LineSolution:
+    """Return a hose behind a port in which the oil is torn: its pressure stands at the vapour's."""
+    return LineSolution(
+        pressure=pressure,
+        flow=flow,
+        stiffness=slope,
+        flow_gain=0.0,
+        port_pressure=vapour,
+        port_stiffness=0.0,
         slope=slope,
     )
 

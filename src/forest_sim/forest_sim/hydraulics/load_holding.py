@@ -28,7 +28,11 @@ the actuator.
 import math
 from typing import NamedTuple
 
-from forest_description.hydraulics.load_holding import CounterbalanceValve, LoadHolding, RuptureValve
+from forest_description.hydraulics.load_holding_parameters import (
+    CounterbalanceValve,
+    LoadHolding,
+    RuptureValve,
+)
 
 NONE, PRESSED, RUPTURE = 0, 1, 2
 """Sorts of valve: none, one that pressures open, one that flow shuts."""

@@ -18,7 +18,7 @@ valve have lines of their own.
 import math
 from typing import NamedTuple
 
-from forest_description.hydraulics.tank_line import TankLine
+from forest_description.hydraulics.tank_line_parameters import TankLine
 
 
 class ReturnLine(NamedTuple):
@@ -51,7 +51,9 @@ def line_flow(pressure: float, line: ReturnLine) -> float:
     return math.sqrt((pressure - line.preload) / line.resistance) if pressure > line.preload else 0.0
 
 
-def pressure_amid(before: TankState, flow: float, yielding: float, step: float, line: ReturnLine) -> float:
+def pressure_at_midpoint(
+    before: TankState, flow: float, yielding: float, step: float, line: ReturnLine
+) -> float:
     """Return P_t [Pa] in the middle of a step, implicitly: C (P_t - before) = step/2 (Q - q(P_t)).
 
     Args:

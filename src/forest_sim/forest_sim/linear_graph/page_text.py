@@ -27,8 +27,8 @@ Misprints of the printed derivation are listed in [equations](equations.md#mispr
    gyrator; D-types (resistances); T-type storages (inertances).
 2. The states are the across variables of the A-types in the tree, and the through variables of
    the T-types outside it.
-   A storage that depends on these is merged with them: an inertia J₂ behind a gear of ratio N
-   adds N² J₂, capacitances at one node add up.
+   A storage that depends on these is merged with them. An inertia J₂ behind a gear of ratio N
+   adds N² J₂; capacitances at one node add up.
 3. Each link gives one **compatibility** equation: the across variables of its loop.
 4. Each branch of the tree gives one **continuity** equation: the through variables of its cut-set.
 5. With the laws of the elements, there are as many equations as unknowns. What is neither state

@@ -17,7 +17,7 @@ J. Robotics Research 3, 1984, has more modes a link; here it is one, the first.
 
 from typing import NamedTuple
 
-from forest_description.mechanics.elasticity import Elasticity
+from forest_description.mechanics.elasticity_parameters import Elasticity
 
 
 class ElasticLink(NamedTuple):

@@ -22,7 +22,7 @@ import math
 from typing import NamedTuple
 
 from forest_description.derived.bodies import boom_body, stick_body
-from forest_description.mechanics.manipulator import Manipulator
+from forest_description.mechanics.manipulator_parameters import Manipulator
 from forest_description.types import Vec3
 
 Pair = tuple[float, float]

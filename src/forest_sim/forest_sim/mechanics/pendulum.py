@@ -32,7 +32,7 @@ import math
 from typing import NamedTuple
 
 from forest_description.derived.bodies import hanging_body
-from forest_description.mechanics.manipulator import Manipulator
+from forest_description.mechanics.manipulator_parameters import Manipulator
 from forest_description.types import Vec3
 from forest_sim.mechanics.manipulator import Body, Pair
 

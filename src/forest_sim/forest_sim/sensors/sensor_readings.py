@@ -230,7 +230,7 @@ def compensators(simulation: Simulation, p: PlantParameters) -> Vec3:
     """Return the openings of the valves' pressure compensators, 0 shut .. 1 open; NaN for a valve without."""
     swing, boom, stick = (
         lifts.compensator if valve.compensator.sort != NONE else math.nan
-        for lifts, valve in zip(simulation.amid.lifts, p.valves, strict=True)
+        for lifts, valve in zip(simulation.midpoint.lifts, p.valves, strict=True)
     )
     return swing, boom, stick
 

@@ -12,11 +12,7 @@ NaN stands for what there is no reading of, and for what would be derived from i
 | joint angle, rate, torque | 3 (swing, boom, stick) | rad, rad/s, N m |
 | actuator position, speed, force | 3 | rad or m, rad/s or m/s, N m or N |
 | pressures | 12: axis, port, place (valve, actuator) | Pa |
-| flows | 2: into port 1 of swing and stick | m^3/s |
-| spools | 3 | V |
-| temperatures | 3: tank, pump case, swing motor case | K |
-| engine speed | 1 | rad/s |
-| tilt of the platform | 2: pitch, roll | rad |
+| readings | one of each channel, in the order of `CHANNELS` | the channel's |
 """
 
 import math
@@ -30,10 +26,7 @@ from forest_sim.sensors.sensor_suite import PLACES
 
 SPEED_BANDWIDTH = 25.0  # [Hz]
 
-# Where the channels of a kind begin.
-PRESSURES, FLOWS = PLACES["pressure"].start, PLACES["flow_meter"].start
-TEMPERATURES, ENGINE_SPEED = PLACES["thermocouple"].start, PLACES["tachometer"].start
-SPOOLS, TILT, CASE_DRAIN = (PLACES[kind].start for kind in ("spool_sensor", "inclinometer", "case_drain"))
+PRESSURES = PLACES["pressure"].start  # where these channels begin
 
 Readings = tuple[float, ...]
 Estimates = tuple["SpeedEstimate", ...]  # joints, then actuators
@@ -61,15 +54,14 @@ class Measurement(NamedTuple):
     joints: Motion
     actuators: Motion
     pressures: tuple[float, ...]
-    flows: tuple[float, ...]
     supply_pressure: float
     supply_flow: float
     supply_saturation: float
-    case_drain_flow: float
-    spools: Vec3
-    temperatures: Vec3
-    engine_speed: float
-    tilt: tuple[float, ...]
+    readings: Readings
+
+    def of_kind(self, kind: str) -> Readings:
+        """Return the readings of a kind of sensor, by its name in `sensor_suite.KINDS`."""
+        return self.readings[PLACES[kind]]
 
 
 def estimate_speed(e: SpeedEstimate, position: float, dt: float, due: bool) -> SpeedEstimate:
@@ -110,15 +102,10 @@ def measurement(
         joints=Motion((position[0], position[1], position[2]), (speeds[0], speeds[1], speeds[2]), torques),
         actuators=Motion((position[3], position[4], position[5]), (speeds[3], speeds[4], speeds[5]), forces),
         pressures=at,
-        flows=(readings[FLOWS], readings[FLOWS + 1]),
         supply_pressure=readings[PRESSURES + 12],
         supply_flow=supply_flow,
         supply_saturation=supply_saturation,
-        case_drain_flow=readings[CASE_DRAIN],
-        spools=(readings[SPOOLS], readings[SPOOLS + 1], readings[SPOOLS + 2]),
-        temperatures=(readings[TEMPERATURES], readings[TEMPERATURES + 1], readings[TEMPERATURES + 2]),
-        engine_speed=readings[ENGINE_SPEED],
-        tilt=(readings[TILT], readings[TILT + 1]),
+        readings=readings,
     )
 
 

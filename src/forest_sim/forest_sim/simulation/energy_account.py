@@ -134,7 +134,7 @@ def oil_energy(simulation: Simulation, p: PlantParameters) -> float:
     plant = at_joints(simulation.plant, p)
     supply = 0.0 if p.supply.ideal else manifold_energy(plant.supply.pressure, p.supply)
     at = transmissions(plant.swing.angle, plant.boom.angle, plant.stick.angle, p)
-    returning = 0.5 * p.tank_line.capacitance * simulation.amid.tank.pressure**2
+    returning = 0.5 * p.tank_line.capacitance * simulation.midpoint.tank.pressure**2
     return (
         supply
         + returning

@@ -12,7 +12,7 @@ from itertools import pairwise
 from typing import NamedTuple
 
 from forest_description.derived.bodies import with_log
-from forest_description.mechanics.manipulator import Manipulator
+from forest_description.mechanics.manipulator_parameters import Manipulator
 from forest_sim.equations.plant_parameters import PlantParameters
 from forest_sim.mechanics.manipulator import fold_head
 from forest_sim.mechanics.pendulum import hanging_head

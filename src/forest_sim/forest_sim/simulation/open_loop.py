@@ -15,13 +15,14 @@ from forest_description.derived.limits import joint_limits, start_tip, workspace
 from forest_description.geometry.kinematics import inverse_kinematics
 from forest_description.machine import Machine
 from forest_description.types import AXES, Floats, Vec3
+from forest_sim.equations.plant_parameters import PlantParameters
 from forest_sim.simulation.changing_plant import ChangingPlant
 from forest_sim.simulation.disturbance import UNDISTURBED, Disturbance
 from forest_sim.simulation.energy_account import dissipated_energy
 from forest_sim.simulation.load import Load, Loads, by_period
 from forest_sim.simulation.voltage_profiles import Voltages
 from forest_sim.solver import step_schedule
-from forest_sim.solver.compiled_plant import fastest_record
+from forest_sim.solver.compiled_plant import Record, fastest_record
 from forest_sim.solver.equilibrium import equilibrium
 from forest_sim.solver.integrator import Simulation
 from forest_sim.solver.oil_temperature import UPDATE_PERIOD, temperature_after
@@ -136,10 +137,7 @@ def blocks(
     commanded = _short_after_jumps if run.short_after_jumps else _even
     changes = {row: load for row, load in by_period(loads, run.rate).items() if row < rows}
     simulation, advance = equilibrium(angles, plant.p), fastest_record()
-    # Compiled here, so that whoever times the rows times the simulation alone.
-    first = step_schedule.even(run.step, 1, 1)
-    empty = np.zeros((1, 3)), first, plant.p, np.zeros((1, len(STATE))), np.zeros((1, len(ENERGY)))
-    advance(simulation, *empty)
+    _compile(advance, simulation, plant.p, run.step)
     block = _start(simulation, voltages, temperature, plant.load)
     simulation = _changed(simulation, plant, changes.get(0, plant.load), block)
     yield block
@@ -164,6 +162,12 @@ def blocks(
             time = count / run.rate
             temperature = temperature_after(temperature, dissipated_energy(energies) / time, oil, time)
             plant.warm(temperature)
+
+
+def _compile(advance: Record, simulation: Simulation, p: PlantParameters, step: float) -> None:
+    """Make the kernel before the first row: who times the rows shall time the simulation alone."""
+    first = step_schedule.even(step, 1, 1)
+    advance(simulation, np.zeros((1, 3)), first, p, np.zeros((1, len(STATE))), np.zeros((1, len(ENERGY))))
 
 
 def _edges(rows: int, rate: float, changes: Mapping[int, Load]) -> list[int]:

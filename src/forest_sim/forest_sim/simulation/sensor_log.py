@@ -38,6 +38,7 @@ SIMULATED_TOPICS = tuple(
     if "simulator" in topic.publishers and topic.labels and topic != topics.GROUND_TRUTH_LOAD
 )
 """What every simulated machine tells as numbers; `topic_values` gives them."""
+AUXILIARY_KINDS = ("spool_sensor", "case_drain", "thermocouple", "tachometer", "inclinometer")
 LOGGED_TOPICS = (*SIMULATED_TOPICS, topics.VALVE_VOLTAGES)
 
 
@@ -90,13 +91,13 @@ def topic_values(report: Report, events: Events, missed_deadlines: int = 0) -> T
     /joint_states, which makes the controller step.
     """
     seen = report.seen
-    auxiliary = (*seen.spools, seen.case_drain_flow, *seen.temperatures, seen.engine_speed, *seen.tilt)
+    auxiliary = [number for kind in AUXILIARY_KINDS for number in seen.of_kind(kind)]
     return {
         topics.PRESSURES: seen.pressures,
         topics.SUPPLY: (seen.supply_pressure, seen.supply_flow, seen.supply_saturation),
         topics.ACTUATOR_STATES: _motion(seen.actuators),
         topics.JOINT_STATES: _motion(seen.joints),
-        topics.FLOWS: seen.flows,
+        topics.FLOWS: seen.of_kind("flow_meter"),
         topics.AUXILIARY: (*auxiliary, *map(float, events), float(missed_deadlines)),
         topics.GROUND_TRUTH_JOINT_STATES: _motion(report.joints),
         topics.GROUND_TRUTH_TIP_POSE: (*report.tip, *tip_orientation(report.joints.position)),

@@ -89,7 +89,7 @@ class SimulatedMachine:
     @property
     def tank_line(self) -> tuple[float]:
         """Pressure behind the valves [Pa]."""
-        return (self._simulation.amid.tank.pressure,)
+        return (self._simulation.midpoint.tank.pressure,)
 
     @property
     def compensators(self) -> Vec3:

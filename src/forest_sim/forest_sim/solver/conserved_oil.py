@@ -7,10 +7,10 @@ are one, and both functions here return what they are given.
 
 from forest_sim.equations.plant import AxisState, PlantState, Transmission, at_joints, transmissions
 from forest_sim.equations.plant_parameters import Axis, PlantParameters
-from forest_sim.half_step.holding_step import flowing
 from forest_sim.hydraulics.load_holding import AllLifts, Lifts
 from forest_sim.hydraulics.oil_volume import content, settled_pressure
 from forest_sim.hydraulics.supply import SupplyState, manifold_oil
+from forest_sim.midpoint.holding_step import flowing
 
 
 def with_contents(state: PlantState, lifts: AllLifts, p: PlantParameters) -> PlantState:

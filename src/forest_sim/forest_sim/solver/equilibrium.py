@@ -9,7 +9,6 @@ from forest_sim.equations.elastic_links import NO_ROOT, Roots, RootState
 from forest_sim.equations.multibody import HANGING_STILL, HeadState, mechanics
 from forest_sim.equations.plant import AxisState, PlantState
 from forest_sim.equations.plant_parameters import Axis, PlantParameters
-from forest_sim.half_step.amid import NOTHING_AMID
 from forest_sim.hydraulics.load_holding import Lifts, resting_lift
 from forest_sim.hydraulics.pump_drive import UNDRIVEN, PumpState
 from forest_sim.hydraulics.spool_dynamics import CENTRED
@@ -17,6 +16,7 @@ from forest_sim.hydraulics.supply import Supply, SupplyState, asked_stroke, flow
 from forest_sim.mechanics.elasticity import ElasticLink
 from forest_sim.mechanics.gear import Gear
 from forest_sim.mechanics.pendulum import hanging_angles
+from forest_sim.midpoint.midpoint_state import NO_MIDPOINT
 from forest_sim.solver.integrator import Events, Simulation
 
 PRELOAD = 0.1  # pressure in the less loaded chamber, as a share of the supply's
@@ -58,7 +58,7 @@ def equilibrium(angles: Vec3, p: PlantParameters) -> Simulation:
         Events(0, 0, 0),
         (0.0, 0.0, 0.0),
         (0.0, 0.0),
-        amid=NOTHING_AMID._replace(lifts=(_lifts(p.swing), _lifts(p.boom), _lifts(p.stick))),
+        midpoint=NO_MIDPOINT._replace(lifts=(_lifts(p.swing), _lifts(p.boom), _lifts(p.stick))),
     )
 
 

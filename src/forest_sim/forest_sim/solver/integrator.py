@@ -18,9 +18,6 @@ from forest_sim.equations.multibody import HeadState
 from forest_sim.equations.plant import AxisState, PlantState
 from forest_sim.equations.plant_parameters import PlantParameters, SpoolValve
 from forest_sim.equations.valve_ports import Ports, has_poppets, ports_at
-from forest_sim.half_step.amid import NOTHING_AMID, Amid, amid_after, with_jets
-from forest_sim.half_step.load_sensing import sensed_over
-from forest_sim.half_step.tank_step import returned_flow
 from forest_sim.hydraulics.command_history import NO_COMMANDS, Acting, CommandHistory, after_dead_time
 from forest_sim.hydraulics.flow_force import NO_JETS, AllJets
 from forest_sim.hydraulics.hydraulic_line import PortGuard
@@ -30,6 +27,9 @@ from forest_sim.hydraulics.spool_dynamics import Spool, Spools, spool_after
 from forest_sim.hydraulics.supply import SupplyState
 from forest_sim.hydraulics.tank_line import pressure_after
 from forest_sim.mechanics.manipulator import Pair
+from forest_sim.midpoint.load_sensing import sensed_over
+from forest_sim.midpoint.midpoint_state import NO_MIDPOINT, MidpointState, midpoint_after, with_jets
+from forest_sim.midpoint.tank_step import returned_flow
 from forest_sim.solver.conserved_oil import settled, with_contents
 from forest_sim.stage.implicit_stage import solve_stage
 
@@ -55,12 +55,12 @@ class Simulation(NamedTuple):
     accelerations: Vec3  # of the joints over the last stage [rad/s^2], from which Newton starts
     head_accelerations: Pair  # of the hanging head, as well
     history: CommandHistory = NO_COMMANDS  # kept where a valve has a dead time
-    amid: Amid = NOTHING_AMID  # what was known of the middle of the last step
+    midpoint: MidpointState = NO_MIDPOINT  # what was known of the middle of the last step
 
 
 def ports_of(simulation: Simulation, p: PlantParameters) -> tuple[Ports, Ports, Ports]:
     """Return what the spools of a machine connect, and how its poppets stand."""
-    return ports_at(simulation.spools, p, simulation.amid.lifts, simulation.amid.tank.seen)
+    return ports_at(simulation.spools, p, simulation.midpoint.lifts, simulation.midpoint.tank.seen)
 
 
 class Step(NamedTuple):
@@ -80,12 +80,12 @@ def step_by_stages(simulation: Simulation, voltages: Vec3, h: float, p: PlantPar
     """Do as `step`, and return both stages, too: what passes in a step is a sum over them."""
     plant, c = simulation.plant, GAMMA * h
     acting, history = _acting(simulation.history, voltages, h, p)
-    amid = with_jets(simulation.amid, plant, simulation.spools, p)
-    middle = spools_after(simulation.spools, acting, c, p, amid.jets)
-    end = spools_after(simulation.spools, acting, h, p, amid.jets)
-    amid = amid_after(amid, plant, simulation.spools, end, h, p)
-    early, late = _lifts_by_stage(simulation.amid.lifts, amid.lifts, p)
-    jets, tank = amid.jets, amid.tank
+    midpoint = with_jets(simulation.midpoint, plant, simulation.spools, p)
+    middle = spools_after(simulation.spools, acting, c, p, midpoint.jets)
+    end = spools_after(simulation.spools, acting, h, p, midpoint.jets)
+    midpoint = midpoint_after(midpoint, plant, simulation.spools, end, h, p)
+    early, late = _lifts_by_stage(simulation.midpoint.lifts, midpoint.lifts, p)
+    tank = midpoint.tank
     returned = 0.0
     rates, ports = _rates_after(plant, simulation.accelerations, c), ports_at(middle, p, early, tank.seen)
     if p.supply.rate > 0.0:
@@ -112,18 +112,20 @@ def step_by_stages(simulation: Simulation, voltages: Vec3, h: float, p: PlantPar
     after = settled(after, held, p)
     events = _count(simulation.events, plant, after, failures, p.guard, tank.seen)
     rates_after, head_after = _mean_accelerations(base, after, c), _head_accelerations(base, after, c)
+    known = midpoint._replace(tank=tank)
+    stepped = Simulation(after, end, events, rates_after, head_after, history, known)
     return Step(
-        after=Simulation(after, end, events, rates_after, head_after, history, Amid(amid.lifts, jets, tank)),
-        early=Simulation(first, middle, events, rates_after, head_after, history, Amid(early, jets, tank)),
-        late=Simulation(after, end, events, rates_after, head_after, history, Amid(late, jets, tank)),
+        after=stepped,
+        early=stepped._replace(plant=first, spools=middle, midpoint=known._replace(lifts=early)),
+        late=stepped._replace(midpoint=known._replace(lifts=late)),
     )
 
 
-def _lifts_by_stage(before: AllLifts, amid: AllLifts, p: PlantParameters) -> tuple[AllLifts, AllLifts]:
+def _lifts_by_stage(before: AllLifts, midpoint: AllLifts, p: PlantParameters) -> tuple[AllLifts, AllLifts]:
     """Return the lifts at both stages' ends, on a straight line through the middles of two steps."""
     if not has_poppets(p):
-        return amid, amid
-    return lifts_along(before, amid, 0.5 + GAMMA), lifts_along(before, amid, 1.5)
+        return midpoint, midpoint
+    return lifts_along(before, midpoint, 0.5 + GAMMA), lifts_along(before, midpoint, 1.5)
 
 
 def _acting(history: CommandHistory, voltages: Vec3, h: float, p: PlantParameters) -> Acting:

@@ -15,9 +15,9 @@ from forest_description.machine import load_machine
 from forest_description.types import AXES
 from forest_sim.equations import plant
 from forest_sim.equations.plant_parameters import PlantParameters, plant_parameters
-from forest_sim.half_step import compensator_step, holding_step, pushed_spools, tank_step
 from forest_sim.hydraulics import command_history, port, spool_dynamics, supply
 from forest_sim.mechanics import pendulum
+from forest_sim.midpoint import compensator_step, holding_step, pushed_spools, tank_step
 from forest_sim.solver import conserved_oil, integrator, power_flows
 from forest_sim.solver.equilibrium import equilibrium
 from forest_sim.solver.integrator import Simulation
@@ -33,7 +33,7 @@ NOINLINE = (
     holding_step.lifts_after,
     compensator_step.openings_after,
     pushed_spools.pushed,
-    tank_step.tank_amid,
+    tank_step.tank_at_midpoint,
     tank_step.returned_flow,
     supply.flow_after,
     axis_stage._solve_with_holding,
@@ -75,8 +75,19 @@ def entry() -> Entry:
         "FIRST": integrator.WEIGHTS[0],
         "SECOND": integrator.WEIGHTS[1],
     }
+    return Entry(
+        text=_text(simulation, none),
+        names=names,
+        arguments=ARGUMENTS,
+        tuples={"simulation": ("state", simulation), "p": ("parameters", p)},
+        noinline=NOINLINE,
+    )
+
+
+def _text(simulation: Simulation, powers: power_flows.PowerFlows) -> str:
+    """Return the kernel's source; the examples tell which numbers a state and its powers have."""
     state = [path for path, _ in flat_layout.leaves(simulation, "simulation")]
-    flows = [path for path, _ in flat_layout.leaves(none, "")]
+    flows = [path for path, _ in flat_layout.leaves(powers, "")]
     lines = [
         f"def kernel({NAMES}):",
         "    i = 0",
@@ -101,13 +112,7 @@ def entry() -> Entry:
         *(f"            states[s + {i}] = {path}" for i, path in enumerate(state)),
         *(f"    state[{i}] = {path}" for i, path in enumerate(state)),
     ]
-    return Entry(
-        text="\n".join(lines),
-        names=names,
-        arguments=ARGUMENTS,
-        tuples={"simulation": ("state", simulation), "p": ("parameters", p)},
-        noinline=NOINLINE,
-    )
+    return "\n".join(lines)
 
 
 @lru_cache(maxsize=1)

@@ -34,7 +34,6 @@ from forest_sim.equations.plant import (
 )
 from forest_sim.equations.plant_parameters import Axis, PlantParameters
 from forest_sim.equations.valve_ports import Ports
-from forest_sim.half_step.tank_step import tank_flow
 from forest_sim.hydraulics.actuator import inlet_flow, outlet_flow, port_pressures
 from forest_sim.hydraulics.hydraulic_line import guard_flow
 from forest_sim.hydraulics.load_holding import holding_drop, is_held
@@ -46,6 +45,7 @@ from forest_sim.hydraulics.supply import flow_at, manifold_capacitance
 from forest_sim.hydraulics.tank_line import line_flow
 from forest_sim.mechanics.end_stop import cushion_resistance, end_stop_force
 from forest_sim.mechanics.friction import friction_force
+from forest_sim.midpoint.tank_step import tank_flow
 from forest_sim.solver.integrator import Simulation, ports_of
 
 RIGID = (NO_BENDING, NO_BENDING, NO_BENDING)
@@ -63,6 +63,12 @@ class SupplyPower(NamedTuple):
     flywheel: float = 0.0  # stored in engine and pumps as they turn
     return_line: float = 0.0  # lost in filter and tank line
     tank_line: float = 0.0  # stored before them
+
+
+IDEAL = SupplyPower(
+    engine=0.0, pump_friction=0.0, pump_leakage=0.0, main_relief=0.0, manifold=0.0, supply=0.0
+)
+"""Of a supply without pump."""
 
 
 class AxisPower(NamedTuple):
@@ -113,27 +119,26 @@ def power_flows(simulation: Simulation, p: PlantParameters) -> PowerFlows:
     swing = _axis_power(motor, t_1, ports[0], pressure, p.swing, drive, bending[0], p)
     boom = _axis_power(joints.boom, t_2, ports[1], pressure, p.boom, NO_POWER, bending[1], p)
     stick = _axis_power(joints.stick, t_3, ports[2], pressure, p.stick, NO_POWER, bending[2], p)
+    return PowerFlows(_supply_power(simulation, (swing, boom, stick), ports, p), swing, boom, stick)
+
+
+def _supply_power(
+    simulation: Simulation,
+    axes: tuple[AxisPower, AxisPower, AxisPower],
+    ports: tuple[Ports, Ports, Ports],
+    p: PlantParameters,
+) -> SupplyPower:
+    """Return the power of pump, manifold and tank line."""
+    swing, boom, stick = axes
+    state = simulation.plant
+    pressure = state.supply.pressure
     drawn = swing.supply + boom.supply + stick.supply
-    seen = simulation.amid.tank.seen
+    seen = simulation.midpoint.tank.seen
     lost = seen * line_flow(seen, p.tank_line)
     taken_up = swing.returned + boom.returned + stick.returned - lost
     taken_up += swing.relieved + boom.relieved + stick.relieved
     if p.supply.ideal:
-        return PowerFlows(
-            SupplyPower(
-                engine=drawn,
-                pump_friction=0.0,
-                pump_leakage=0.0,
-                main_relief=0.0,
-                manifold=0.0,
-                supply=drawn,
-                return_line=lost,
-                tank_line=taken_up,
-            ),
-            swing,
-            boom,
-            stick,
-        )
+        return IDEAL._replace(engine=drawn, supply=drawn, return_line=lost, tank_line=taken_up)
     pump = flow_at(state.supply, state.pump, p.supply)
     hydraulic = pressure * pump.displaced
     engine = hydraulic / p.supply.efficiency
@@ -145,21 +150,16 @@ def power_flows(simulation: Simulation, p: PlantParameters) -> PowerFlows:
     if p.supply.drive.inertia > 0.0:
         engine = engine_torque(state.pump.speed, p.supply.drive) * state.pump.speed
         flywheel = p.supply.drive.inertia * state.pump.speed * rates.pump.speed
-    return PowerFlows(
-        SupplyPower(
-            engine=engine,
-            pump_friction=shaft - hydraulic,
-            pump_leakage=pressure * leakage,
-            main_relief=pressure * (pump.displaced - leakage - pump.delivered),
-            manifold=manifold_capacitance(pressure, p.supply) * pressure * rate,
-            supply=drawn,
-            flywheel=flywheel,
-            return_line=lost,
-            tank_line=taken_up,
-        ),
-        swing,
-        boom,
-        stick,
+    return SupplyPower(
+        engine=engine,
+        pump_friction=shaft - hydraulic,
+        pump_leakage=pressure * leakage,
+        main_relief=pressure * (pump.displaced - leakage - pump.delivered),
+        manifold=manifold_capacitance(pressure, p.supply) * pressure * rate,
+        supply=drawn,
+        flywheel=flywheel,
+        return_line=lost,
+        tank_line=taken_up,
     )
 
 

@@ -137,38 +137,32 @@ def _solve_with_holding(
     swept_1, swept_2 = axis.actuator.displacement_1, axis.actuator.displacement_2
     if oil_1.area != 0.0:
         through = 0.0
-    near_1 = held_above_vapour(near.pressure_1, 0.0, oil_1.oil)
-    near_2 = held_above_vapour(near.pressure_2, 0.0, oil_2.oil)
-    held_1, held_2 = (
-        restriction(ports.lifts.one, axis.holding_1),
-        restriction(ports.lifts.two, axis.holding_2),
+    pressures = (
+        held_above_vapour(near.pressure_1, 0.0, oil_1.oil),
+        held_above_vapour(near.pressure_2, 0.0, oil_2.oil),
     )
-    flow_1 = first_flow(near.flow_1, near_1, ports.port_1, held_1, supply)
-    flow_2 = first_flow(-near.flow_2, near_2, ports.port_2, held_2, supply)
+    held = restriction(ports.lifts.one, axis.holding_1), restriction(ports.lifts.two, axis.holding_2)
+    flows = (
+        first_flow(near.flow_1, pressures[0], ports.port_1, held[0], supply),
+        first_flow(-near.flow_2, pressures[1], ports.port_2, held[1], supply),
+    )
     one, two, hose_1, hose_2 = _tangents(
-        base, (near_1, near_2), (flow_1, flow_2), (held_1, held_2), through, t, ports, supply, axis, guard, h
+        base, pressures, flows, held, through, t, ports, supply, axis, guard, h
     )
     for _ in range(TANGENTS):
-        after_1 = next_flow(one, flow_1, ports.port_1, held_1, supply)
-        after_2 = next_flow(two, flow_2, ports.port_2, held_2, supply)
-        steady = after_1 == flow_1 and after_2 == flow_2
+        after_1 = next_flow(one, flows[0], ports.port_1, held[0], supply)
+        after_2 = next_flow(two, flows[1], ports.port_2, held[1], supply)
+        steady = after_1 == flows[0] and after_2 == flows[1]
+        near_1, near_2 = pressures
         if steady and is_near(one.pressure, near_1, oil_1.oil) and is_near(two.pressure, near_2, oil_2.oil):
             break
-        near_1 = held_above_vapour(one.pressure, near_1, oil_1.oil)
-        near_2 = held_above_vapour(two.pressure, near_2, oil_2.oil)
-        flow_1, flow_2 = after_1, after_2
+        pressures = (
+            held_above_vapour(one.pressure, near_1, oil_1.oil),
+            held_above_vapour(two.pressure, near_2, oil_2.oil),
+        )
+        flows = after_1, after_2
         one, two, hose_1, hose_2 = _tangents(
-            base,
-            (near_1, near_2),
-            (flow_1, flow_2),
-            (held_1, held_2),
-            through,
-            t,
-            ports,
-            supply,
-            axis,
-            guard,
-            h,
+            base, pressures, flows, held, through, t, ports, supply, axis, guard, h
         )
     if oil_1.area != 0.0:
         swept_1 *= hose_1.density

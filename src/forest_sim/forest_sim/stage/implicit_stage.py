@@ -191,22 +191,7 @@ def _newton_step(
 
     Where that change would leave the bounds, they are halved instead.
     """
-    c, d = solve(equations.matrix, equations.residual, equations.head_residual)
-    pressure = change = 0.0
-    if not p.supply.ideal:
-        s = equations.supply
-        b = s.by_rate
-        z, y = solve(equations.matrix, s.on_rates, (0.0, 0.0))
-        pressure = (s.residual - b[0] * c[0] - b[1] * c[1] - b[2] * c[2]) / (
-            s.slope + b[0] * z[0] + b[1] * z[1] + b[2] * z[2]
-        )
-        change = -pressure
-        here = iterate.supply.pressure
-        middle = 0.5 * (bounds[0] + bounds[1])
-        if math.isfinite(middle) and not bounds[0] < here - pressure < bounds[1]:
-            pressure = here - middle
-        c = c[0] + z[0] * pressure, c[1] + z[1] * pressure, c[2] + z[2] * pressure
-        d = d[0] + y[0] * pressure, d[1] + y[1] * pressure
+    c, d, pressure, change = _corrections(iterate.supply.pressure, equations, bounds, p)
     u, w = iterate.rates, iterate.head_rates
     supply = held_above_vapour(
         iterate.supply.pressure - share * pressure, iterate.supply.pressure, p.supply.oil
@@ -236,3 +221,28 @@ def _newton_step(
     if bends:
         size = max(size, LIGHT_SHARE * max(abs(turns[0]), abs(turns[1]), abs(turns[2])))
     return after, size, change
+
+
+def _corrections(
+    supply: float, equations: StageEquations, bounds: Pair, p: PlantParameters
+) -> tuple[Vec3, Pair, float, float]:
+    """Return Newton's corrections of rates, head rates and supply, and its change without bounds [rad/s; Pa].
+
+    The supply's equation is eliminated from the matrix (Schur complement), which stays that of rigid bodies.
+    """
+    c, d = solve(equations.matrix, equations.residual, equations.head_residual)
+    if p.supply.ideal:
+        return c, d, 0.0, 0.0
+    s = equations.supply
+    b = s.by_rate
+    z, y = solve(equations.matrix, s.on_rates, (0.0, 0.0))
+    pressure = (s.residual - b[0] * c[0] - b[1] * c[1] - b[2] * c[2]) / (
+        s.slope + b[0] * z[0] + b[1] * z[1] + b[2] * z[2]
+    )
+    change = -pressure
+    middle = 0.5 * (bounds[0] + bounds[1])
+    if math.isfinite(middle) and not bounds[0] < supply - pressure < bounds[1]:
+        pressure = supply - middle
+    c = c[0] + z[0] * pressure, c[1] + z[1] * pressure, c[2] + z[2] * pressure
+    d = d[0] + y[0] * pressure, d[1] + y[1] * pressure
+    return c, d, pressure, change

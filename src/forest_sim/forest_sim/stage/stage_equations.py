@@ -29,6 +29,15 @@ from forest_sim.stage.supply_stage import SupplyError, supply_error
 RIGID, ELASTIC = 0, 1  # literally, so that the machine code of rigid links has nothing of others
 NO_FEEDS = ((0.0, 0.0), (0.0, 0.0), (0.0, 0.0))
 NO_DRIVE = DriveSolution(torque=0.0, resistance=0.0, share=0.0, excess=0.0, give=0.0)
+UNLOADED = SupplyError(
+    residual=0.0,
+    slope=1.0,
+    by_rate=(0.0, 0.0, 0.0),
+    on_rates=(0.0, 0.0, 0.0),
+    feeds=NO_FEEDS,
+    state=SupplyState(0.0, 0.0),
+)
+"""Of an ideal supply."""
 
 
 class Iterate(NamedTuple):
@@ -69,8 +78,7 @@ def equations_at(
     angles = base.swing.angle + h * u[0], base.boom.angle + h * u[1], base.stick.angle + h * u[2]
     joints = root_angles(base, w, h, p) if bends else angles
     t_1, t_2, t_3 = transmissions(joints[0], joints[1], joints[2], p)
-    turned = iterate.motor_rate
-    swing = solve_axis(base.swing, near.swing, turned, t_1, ports[0], supply, p.swing, p.guard, h)
+    swing = solve_axis(base.swing, near.swing, iterate.motor_rate, t_1, ports[0], supply, p.swing, p.guard, h)
     boom = solve_axis(base.boom, near.boom, w[1], t_2, ports[1], supply, p.boom, p.guard, h)
     stick = solve_axis(base.stick, near.stick, w[2], t_3, ports[2], supply, p.stick, p.guard, h)
     head_rates = iterate.head_rates
@@ -80,49 +88,70 @@ def equations_at(
         (u[0] - base.swing.rate, u[1] - base.boom.rate, u[2] - base.stick.rate),
         (head_rates[0] - base.head.alpha_rate, head_rates[1] - base.head.beta_rate),
     )
-    error = SupplyError(
-        residual=0.0,
-        slope=1.0,
-        by_rate=(0.0, 0.0, 0.0),
-        on_rates=(0.0, 0.0, 0.0),
-        feeds=NO_FEEDS,
-        state=iterate.supply,
+    arms = t_1.arm, t_2.arm, t_3.arm
+    train = _drive_train(base, iterate, (swing, boom, stick), ports, arms, joints[0], h, p, bends)
+    equations = StageEquations(
+        swing=swing,
+        boom=boom,
+        stick=stick,
+        matrix=resisted(m.inertia, train.resistances, p.head.damping, h),
+        residual=(
+            gained[0] + h * (m.bias[0] - train.torques[0]),
+            gained[1] + h * (m.bias[1] - train.torques[1]),
+            gained[2] + h * (m.bias[2] - train.torques[2]),
+        ),
+        head_residual=(head_gained[0] + h * m.head_bias[0], head_gained[1] + h * m.head_bias[1]),
+        supply=train.supply,
+        motor_gain=train.motor_gain,
+        drive=train.drive,
     )
+    return equations, train.links
+
+
+class DriveTrain(NamedTuple):
+    """What gear play and elastic links let through from the actuators to the links."""
+
+    torques: Vec3  # on the joints [N m]
+    resistances: Vec3  # -d(torques)/d(rates) [N m s]
+    supply: SupplyError
+    motor_gain: float  # as of `StageEquations`
+    drive: DriveSolution
+    links: ElasticSolution
+
+
+def _drive_train(
+    base: PlantState,
+    iterate: Iterate,
+    axes: tuple[AxisSolution, AxisSolution, AxisSolution],
+    ports: tuple[Ports, Ports, Ports],
+    arms: Vec3,
+    swing_angle: float,
+    h: float,
+    p: PlantParameters,
+    bends: int,
+) -> DriveTrain:
+    """Return what reaches the joints of solved axes."""
+    swing, boom, stick = axes
+    w, error = iterate.root_rates, UNLOADED._replace(state=iterate.supply)
     if not p.supply.ideal:
-        error = supply_error(
-            base.supply, base.pump, supply, (swing, boom, stick), ports, (t_1.arm, t_2.arm, t_3.arm), h, p
-        )
+        error = supply_error(base.supply, base.pump, iterate.supply.pressure, axes, ports, arms, h, p)
     torques = swing.torque, boom.torque, stick.torque
     resistances = swing.resistance, boom.resistance, stick.resistance
-    drive, motor_gain, elastic = NO_DRIVE, 0.0, ALL_STIFF
+    drive, motor_gain, links = NO_DRIVE, 0.0, ALL_STIFF
     if p.drive.present:
-        drive = solve_drive(base.drive, joints[0], w[0], turned, torques[0], resistances[0], h, p.drive)
+        turned = iterate.motor_rate
+        drive = solve_drive(base.drive, swing_angle, w[0], turned, torques[0], resistances[0], h, p.drive)
         torques = drive.torque, boom.torque, stick.torque
         resistances = drive.resistance, boom.resistance, stick.resistance
         motor_gain = error.on_rates[0]
         error = through_gear(error, drive)
     if bends:
-        rubs = _rub(boom, t_2.arm, p.boom), _rub(stick, t_3.arm, p.stick)
-        elastic = solve_links(base, u, w, torques, resistances, rubs, error.on_rates, h, p.elastic)
-        torques = elastic.swing.torque, elastic.boom.torque, elastic.stick.torque
-        resistances = elastic.swing.resistance, elastic.boom.resistance, elastic.stick.resistance
-        error = through_links(error, elastic)
-    equations = StageEquations(
-        swing=swing,
-        boom=boom,
-        stick=stick,
-        matrix=resisted(m.inertia, resistances, p.head.damping, h),
-        residual=(
-            gained[0] + h * (m.bias[0] - torques[0]),
-            gained[1] + h * (m.bias[1] - torques[1]),
-            gained[2] + h * (m.bias[2] - torques[2]),
-        ),
-        head_residual=(head_gained[0] + h * m.head_bias[0], head_gained[1] + h * m.head_bias[1]),
-        supply=error,
-        motor_gain=motor_gain,
-        drive=drive,
-    )
-    return equations, elastic
+        rubs = _rub(boom, arms[1], p.boom), _rub(stick, arms[2], p.stick)
+        links = solve_links(base, iterate.rates, w, torques, resistances, rubs, error.on_rates, h, p.elastic)
+        torques = links.swing.torque, links.boom.torque, links.stick.torque
+        resistances = links.swing.resistance, links.boom.resistance, links.stick.resistance
+        error = through_links(error, links)
+    return DriveTrain(torques, resistances, error, motor_gain, drive, links)
 
 
 def _rub(axis: AxisSolution, arm: float, constants: Axis) -> Rub:

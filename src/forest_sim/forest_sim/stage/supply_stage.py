@@ -9,10 +9,10 @@ from typing import NamedTuple
 from forest_description.types import Vec3
 from forest_sim.equations.plant_parameters import PlantParameters
 from forest_sim.equations.valve_ports import Ports
-from forest_sim.half_step.load_sensing import load_weights
 from forest_sim.hydraulics.hydraulic_line import supply_coupling
 from forest_sim.hydraulics.pump_drive import PumpState
 from forest_sim.hydraulics.supply import (
+    Supply,
     SupplyState,
     flow_after,
     manifold_capacitance,
@@ -22,6 +22,7 @@ from forest_sim.hydraulics.supply import (
     reference_gain,
 )
 from forest_sim.mechanics.manipulator import Pair
+from forest_sim.midpoint.load_sensing import load_weights
 from forest_sim.stage.axis_stage import AxisSolution
 
 SUPPLY_TOLERANCE = 1e3  # [Pa] of Newton's last correction of P_s
@@ -86,19 +87,7 @@ def supply_error(
     three = _axis_draw(axes[2], ports[2], supply, h)
     reference, control = base.reference, NO_CONTROL
     if p.supply.rate > 0.0:
-        loads, shares = (one.load, two.load, three.load), (one.sensed, two.sensed, three.sensed)
-        w = load_weights(loads, shares)
-        load = w[0] * loads[0] + w[1] * loads[1] + w[2] * loads[2]
-        reference, gain = reference_after(reference, load, p.supply, h), reference_gain(load, p.supply, h)
-        w = gain * w[0], gain * w[1], gain * w[2]
-        control = Control(
-            by_supply=w[0] * one.load_by_supply + w[1] * two.load_by_supply + w[2] * three.load_by_supply,
-            by_rate=(
-                w[0] * arms[0] * one.load_by_speed,
-                w[1] * arms[1] * two.load_by_speed,
-                w[2] * arms[2] * three.load_by_speed,
-            ),
-        )
+        reference, control = _load_sensing(reference, one, two, three, arms, h, p.supply)
     pump = pump_flow(supply, reference, p.supply)
     if p.supply.drive.present:
         pump = flow_after(SupplyState(supply, reference), known, h, p.supply).flow
@@ -123,6 +112,26 @@ def supply_error(
         state=SupplyState(supply, reference),
         control=control,
     )
+
+
+def _load_sensing(
+    before: float, one: AxisDraw, two: AxisDraw, three: AxisDraw, arms: Vec3, h: float, supply: Supply
+) -> tuple[float, Control]:
+    """Return P_r [Pa] at the stage's end, which follows the highest load, and how it follows the iterate."""
+    loads, shares = (one.load, two.load, three.load), (one.sensed, two.sensed, three.sensed)
+    w = load_weights(loads, shares)
+    load = w[0] * loads[0] + w[1] * loads[1] + w[2] * loads[2]
+    reference, gain = reference_after(before, load, supply, h), reference_gain(load, supply, h)
+    w = gain * w[0], gain * w[1], gain * w[2]
+    control = Control(
+        by_supply=w[0] * one.load_by_supply + w[1] * two.load_by_supply + w[2] * three.load_by_supply,
+        by_rate=(
+            w[0] * arms[0] * one.load_by_speed,
+            w[1] * arms[1] * two.load_by_speed,
+            w[2] * arms[2] * three.load_by_speed,
+        ),
+    )
+    return reference, control
 
 
 def _axis_draw(axis: AxisSolution, ports: Ports, supply: float, h: float) -> AxisDraw:

@@ -7,7 +7,7 @@ from forest_control.operator.levers import AXIS_COUNT, BUTTON_COUNT
 from forest_station.operator import deadman as deadman_rule
 from forest_station.operator import seat as seat_rule
 from forest_station.operator.deadman import Deadman, State
-from forest_station.operator.hands import Hands
+from forest_station.operator.hands_message import Hands
 from forest_station.operator.seat import Seat
 
 CENTRED = (0.0,) * AXIS_COUNT

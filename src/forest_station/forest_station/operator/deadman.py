@@ -18,7 +18,7 @@ from typing import NamedTuple
 
 from forest_control.operator.joystick_watch import WatchParameters, is_centred
 from forest_control.operator.levers import levers_from_axes
-from forest_station.operator.hands import Hands
+from forest_station.operator.hands_message import Hands
 
 TIMEOUT = 0.08  # [s] without a heartbeat; the stop must begin within 0.1 s of the last one
 ROUND_TRIP = 0.25  # [s] longest from a pong to the hands that tell of it: a release is heard later by less

@@ -12,7 +12,7 @@ from forest_station.graph.crane_graph import CraneGraph
 from forest_station.graph.joystick_output import NAMELESS
 from forest_station.operator import deadman
 from forest_station.operator.cab import Cab
-from forest_station.operator.hands import Hands, HandsError, decode_hands
+from forest_station.operator.hands_message import Hands, HandsError, decode_hands
 
 PERIOD = 1.0 / JOY_RATE_HZ  # [s]
 SOONEST = 0.004  # [s] between two samples: a flood of a page's must not become one of /joy

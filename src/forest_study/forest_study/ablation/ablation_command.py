@@ -5,7 +5,6 @@ import itertools
 import math
 from typing import Any
 
-from forest_compile.kernel_cache import can_compile
 from forest_control.valve.valve_driver import FILLING
 from forest_description.machine import load_machine
 from forest_msgs_py.runtime.command_line import number, whole
@@ -13,7 +12,7 @@ from forest_study.ablation import effects
 from forest_study.ablation.constants import NODES, ROOMS, Changes, numbers, scaled
 from forest_study.ablation.scenes import SCENES
 from forest_study.ablation.trials import Figures, Trial, tried
-from forest_study.results import StudyError, write_json
+from forest_study.results import StudyError, new_directory, require_llvm, write_json
 
 NOTHING = "nothing"
 MECHANISMS: dict[str, Changes] = {
@@ -68,8 +67,8 @@ def run(options: argparse.Namespace) -> int:
         MachineError: the machine's file cannot be read.
         StudyError: LLVM is not installed, or no constant has such a name.
     """
-    if not can_compile():
-        raise StudyError("ablation needs LLVM, which is not installed: pip install 'forest-crane[fast]'")
+    new_directory(options.out)
+    require_llvm("ablation")
     load_machine(options.machine)
     lines, found = (_of_mechanisms if options.constants is None else _of_constants)(options)
     write_json(options.out / "ablation.json", {**_conditions(options), "without": found})

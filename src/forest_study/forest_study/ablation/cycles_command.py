@@ -5,14 +5,13 @@ import os
 from concurrent.futures import ThreadPoolExecutor
 from typing import Any
 
-from forest_compile.kernel_cache import can_compile
 from forest_control.config.controller_settings import Settings
 from forest_description.derived.limits import pose_at, start_tip
 from forest_description.machine import load_machine
 from forest_description.types import AXES
 from forest_msgs_py.runtime.command_line import number
 from forest_study.ablation.bare_loop import Case, seen
-from forest_study.results import StudyError, write_json
+from forest_study.results import StudyError, new_directory, require_llvm, write_json
 from forest_study.stability.describing_function import limit_cycle
 
 SHARES = (0.9, 1.05, 1.1, 1.2)  # [1] believed over true overlap
@@ -39,8 +38,8 @@ def run(options: argparse.Namespace) -> int:
         MachineError: the machine's file cannot be read.
         StudyError: LLVM is not installed, or a loop cannot be linearised.
     """
-    if not can_compile():
-        raise StudyError("cycles needs LLVM, which is not installed: pip install 'forest-crane[fast]'")
+    new_directory(options.out)
+    require_llvm("cycles")
     machine = load_machine(options.machine)
     tip = start_tip(machine)
     cases = [Case(options.machine, tip, axis, share) for axis in range(3) for share in options.overlap]

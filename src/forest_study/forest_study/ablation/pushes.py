@@ -14,7 +14,7 @@ from forest_description.types import AXES, Floats, Vec3
 from forest_ident.measurements.parameter_path import with_part
 from forest_msgs_py.types import PERIOD
 from forest_study.ablation.constants import Settings
-from forest_study.closed_loop import loop_kernel
+from forest_study.closed_loop import compiled_loop
 from forest_study.closed_loop.closed_loop import Operator, Trajectory
 from forest_study.tracking.tracking import noisy
 
@@ -89,4 +89,4 @@ def pushed(machine: Machine, seed: int, overlap: float, tilt: float, settings: S
     sloped = dataclasses.replace(crane, platform_tilt=crane.platform_tilt + tilt)
     plant, model = dataclasses.replace(machine, manipulator=sloped), misjudged(machine, overlap)
     suite = noisy(plant, seed)
-    return rest(loop_kernel.by_heart(plant, given.operator, END, given.start, *settings, model, suite))
+    return rest(compiled_loop.by_heart(plant, given.operator, END, given.start, *settings, model, suite))

@@ -23,9 +23,9 @@ from forest_sim.equations.plant_parameters import PlantParameters, plant_paramet
 from forest_sim.simulation.load import Load, loaded
 from forest_study.ablation.constants import Settings
 from forest_study.ablation.pushes import activity, pushed
-from forest_study.closed_loop import loop_kernel, model_mismatch
+from forest_study.closed_loop import compiled_loop, model_mismatch
 from forest_study.closed_loop.closed_loop import Trajectory
-from forest_study.closed_loop.loop_kernel import Led
+from forest_study.closed_loop.compiled_loop import Led
 from forest_study.closed_loop.model_mismatch import Ranges
 from forest_study.measures import line_of
 from forest_study.tracking.paths import path_named
@@ -236,7 +236,7 @@ def _along(
     rows = np.ones((round(LONGEST * len(course.places)), 4))
     start, suite = pose_at(course.start, machine), noisy(machine, seed)
     given = (machine, rows, start, control, settings.drive)
-    led = loop_kernel.prepared(*given, suite=suite, plant=plant).lead(course.places, course.hand)
+    led = compiled_loop.prepared(*given, suite=suite, plant=plant).lead(course.places, course.hand)
     return distance_from(line_of(path), led.moved.tip[::EVERY]), led
 
 
@@ -246,7 +246,7 @@ def _driven(
     settings: Settings,
     seed: int,
     tip: Vec3 | None = None,
-    loads: Mapping[int, PlantParameters] = loop_kernel.NO_LOADS,
+    loads: Mapping[int, PlantParameters] = compiled_loop.NO_LOADS,
     speed: float = SPEED,
 ) -> Trajectory:
     """Return what levers do, from a place of the tip on."""
@@ -256,7 +256,7 @@ def _driven(
     control = settings.control._replace(tip_speed=speed)
     start = pose_at(start_tip(machine) if tip is None else tip, machine)
     given = (machine, np.array(rows), start, control, settings.drive)
-    return loop_kernel.prepared(*given, suite=noisy(machine, seed)).run(loads)
+    return compiled_loop.prepared(*given, suite=noisy(machine, seed)).run(loads)
 
 
 def _governed(moved: Trajectory) -> Floats:

@@ -16,7 +16,7 @@ from forest_control.taught.tip_path import PathError, distance_from
 from forest_description.machine import load_machine
 from forest_study.ablation.constants import ROOMS, Changes, at_runtime, changed, numbers
 from forest_study.ablation.scenes import SCENES, pushes
-from forest_study.closed_loop import loop_kernel
+from forest_study.closed_loop import compiled_loop, loop_kernel
 
 Figures = dict[str, float]
 """What a change is judged by, by name and unit."""
@@ -54,7 +54,7 @@ def figures(trial: Trial) -> Figures | None:
         StudyError: a name is not known.
     """
     settings = changed(trial.changes)
-    loop_kernel.runtime_numbers = at_runtime()
+    compiled_loop.runtime_numbers = at_runtime()
     loop_kernel.KERNEL = CachedKernel("loop", loop_kernel.entry)
     machine = load_machine(trial.machine)
     found: Figures = {}

@@ -84,10 +84,6 @@ class Link(Generic[T]):
             messages.append(heapq.heappop(self._under_way)[2])
         return messages
 
-    def next_arrival(self) -> float:
-        """Return when the next message arrives [s]; never: infinity."""
-        return self._under_way[0][0] if self._under_way else math.inf
-
 
 class Reports(NamedTuple):
     """What the driver has said of its valves' reach, as it comes to the controller of a graph in lockstep."""

@@ -27,9 +27,9 @@ from forest_control.safety.motion_permission import (
     armed_watch,
     decide,
     disarmed,
-    heard,
-    is_lost,
-    unwatched,
+    is_state_lost,
+    reset_sensor_watch,
+    updated_joystick,
 )
 from forest_control.valve import valve_driver, valve_driver_parameters
 from forest_control.valve.tracking_limit import learnt_reach
@@ -61,7 +61,7 @@ class Guarded(NamedTuple):
 
 def stopped(before: Guarded) -> Guarded:
     """Return the controller with all motion forgotten: the command is zero."""
-    return Guarded(unwatched(before.permission), control_state.stopped(before.state))
+    return Guarded(reset_sensor_watch(before.permission), control_state.stopped(before.state))
 
 
 class Loop(NamedTuple):
@@ -167,8 +167,8 @@ def guarded(
     control, now = loop.control, row * PERIOD
     before = control
     if spoken:
-        before = control._replace(permission=heard(control.permission, sample(levers, held, row)))
-    if is_lost(before.permission, now, k.guard):
+        before = control._replace(permission=updated_joystick(control.permission, sample(levers, held, row)))
+    if is_state_lost(before.permission, now, k.guard):
         before = stopped(before._replace(permission=disarmed(before.permission, now, k.guard)))
     machine = machine_state(seen, (row + 1) * PERIOD_NS, now)
     driver = DriverSample(loop.drive.voltages, now)

@@ -33,7 +33,7 @@ from forest_description.hydraulics.valve_characteristic import Direction
 from forest_description.hydraulics.valve_parameters import Valve
 from forest_description.machine import Machine
 from forest_description.mechanics.drives import Backlash
-from forest_description.mechanics.elasticity import Elasticity
+from forest_description.mechanics.elasticity_parameters import Elasticity
 from forest_description.mechanics.load import RotatorAndGrapple
 from forest_description.types import Vec3
 from forest_sim.equations.plant_parameters import PlantParameters, SpoolValve, parameters_of

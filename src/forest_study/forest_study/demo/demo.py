@@ -122,6 +122,12 @@ def _parse(arguments: Sequence[str] | None) -> argparse.Namespace:
         metavar="S",
         help="in lockstep: end a run in which a message stays out for so long (default: %(default)g)",
     )
+    _add_session(parser)
+    return parser.parse_args(arguments)
+
+
+def _add_session(parser: argparse.ArgumentParser) -> None:
+    """Add the flags of what happens in the session."""
     parser.add_argument("--joystick", type=graph.source_path, default="thesis", metavar="thesis|FILE.csv|BAG")
     parser.add_argument(
         "--joystick-faults",
@@ -137,7 +143,6 @@ def _parse(arguments: Sequence[str] | None) -> argparse.Namespace:
         metavar="TEXT",
         help="logs in the head, as '500 kg from 2 s; 0 kg from 6 s'",
     )
-    return parser.parse_args(arguments)
 
 
 def _parsed(parse: Callable[[str], object], text: str) -> str:

@@ -22,6 +22,7 @@ from forest_msgs_py.interfaces.stamps import STAMPED
 from forest_msgs_py.interfaces.topics import DIAGNOSTICS, EMERGENCY_STOPPED, find
 from forest_msgs_py.interfaces.yaml_text import parsed
 from forest_msgs_py.types import PERIOD_NS
+from forest_study.results import new_directory
 
 MODULES = {
     "controller": "forest_control.controller_node",
@@ -76,8 +77,10 @@ def run(options: argparse.Namespace) -> int:
 
     Raises:
         GraphError: the bag cannot be used, or a node failed.
+        StudyError: the directory is not empty.
     """
     bag, out, names = options.bag, options.out, list(dict.fromkeys(options.nodes))
+    new_directory(out)
     if "simulator" in names:
         names = list(MODULES)
     try:
@@ -90,7 +93,6 @@ def run(options: argparse.Namespace) -> int:
     steps, rest = divmod(last, PERIOD_NS)
     if rest or not 0 < steps < MOST_STEPS:
         raise GraphError(f"{bag} was not recorded in lockstep; allowed: a bag whose log times are k*0.005 s")
-    out.mkdir(parents=True, exist_ok=True)
     nodes = [_node(bag, name, attached, options.set, out) for name in names]
     if "simulator" in names:
         nodes.insert(0, graph.joystick(str(bag.resolve()), 0.0, 0))

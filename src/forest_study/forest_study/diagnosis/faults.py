@@ -51,7 +51,6 @@ class Fault(NamedTuple):
     axes: tuple[int, ...]  # that it may hit; the seed chooses
     inject: Callable[[Amount, int], Injected]
     found_as: tuple[str, ...]  # causes of `findings` that name it, {axis} for the one that is hit
-    needs_air: bool = False  # a machine whose oil has air
 
 
 HEALTHY = Injected()
@@ -191,7 +190,6 @@ FAULTS: dict[str, Fault] = {
         (0,),
         _foams,
         ("swing stiffness", "boom stiffness", "stick stiffness"),
-        needs_air=True,
     ),
     "deadband drift": Fault("{} V", (0.1, 0.2, 0.4), ALL, _drifts, ("{axis} deadband",)),
     "machine file": Fault("{} of the areas", (0.1, 0.2, 0.4), (0,), _other_areas, ("machine machine file",)),

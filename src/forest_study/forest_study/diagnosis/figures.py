@@ -7,7 +7,7 @@ import numpy as np
 
 from forest_description.machine import Machine
 from forest_description.types import Floats
-from forest_ident.diagnosis import limits, readings, residuals
+from forest_ident.diagnosis import monitor_readings, residual_limits, residuals
 from forest_ident.diagnosis.findings import Alarms, findings, out_from_the_start
 from forest_ident.diagnosis.sequential_test import HIGHEST
 from forest_ident.diagnosis.signatures import CAUSES, MACHINE_FILE
@@ -70,12 +70,14 @@ def _told(row: Floats) -> set[str]:
     """Return the findings of a row, as "boom spool"."""
     n = residuals.COUNT
     scores = dict(zip(residuals.NAMES, row[n : 2 * n].tolist(), strict=True))
-    sensors = dict(zip(readings.CHANNELS, row[SENSORS : SENSORS + readings.COUNT].tolist(), strict=True))
+    sensors = dict(
+        zip(monitor_readings.CHANNELS, row[SENSORS : SENSORS + monitor_readings.COUNT].tolist(), strict=True)
+    )
     alarms = Alarms(
         residuals={name: x for name, x in scores.items() if abs(x) >= 1.0},
         frozen=[name for name, x in sensors.items() if x == FROZEN],
         missing=[name for name, x in sensors.items() if x == MISSING],
-        at_start=out_from_the_start(row[2 * n : 3 * n].tolist(), limits.LIMITS),
+        at_start=out_from_the_start(row[2 * n : 3 * n].tolist(), residual_limits.LIMITS),
     )
     return {f"{one.part} {one.cause}" for one in findings(alarms)}
 
@@ -83,7 +85,7 @@ def _told(row: Floats) -> set[str]:
 def _all(rows: Floats) -> Floats:
     """Return the scores of residuals and sensors [N, columns], without signs."""
     n = residuals.COUNT
-    sensors = np.where(rows[:, SENSORS : SENSORS + readings.COUNT] > 0.0, CERTAIN, 0.0)
+    sensors = np.where(rows[:, SENSORS : SENSORS + monitor_readings.COUNT] > 0.0, CERTAIN, 0.0)
     scores: Floats = np.hstack([np.abs(rows[:, n : 2 * n]), sensors])
     return scores
 

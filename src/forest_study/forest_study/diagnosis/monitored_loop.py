@@ -26,8 +26,15 @@ from forest_description.geometry.kinematics import tip_position
 from forest_description.hydraulics.valve_characteristic import Direction, ValveLaw
 from forest_description.machine import load_machine
 from forest_description.types import Floats, Vec3
-from forest_ident.diagnosis import limits, machine_numbers, monitor, readings, residuals, sensor_watch
-from forest_ident.diagnosis.readings import Learnt, Readings, Way
+from forest_ident.diagnosis import (
+    monitor,
+    monitor_readings,
+    residual_limits,
+    residual_parameters,
+    residuals,
+    sensor_watch,
+)
+from forest_ident.diagnosis.monitor_readings import Learnt, Readings, Way
 from forest_ident.diagnosis.sequential_test import score
 from forest_msgs_py.types import PERIOD
 from forest_sim.sensors import sensor_suite
@@ -42,8 +49,11 @@ NEAR, APPROACH = 0.03, 1.0  # [m] a place is reached; [1/s] speed per distance b
 LED = 5  # columns of a period's work: place, speed, what the hand does
 HELD, WORKS = 0.5, 0.9  # of the last column: from there the deadman is held; the levers are used
 SENSORS = 3 * residuals.COUNT  # the first of their columns, behind residuals, scores, references
-COLUMNS = SENSORS + readings.COUNT + 3  # and the tip
+COLUMNS = SENSORS + monitor_readings.COUNT + 3  # and the tip
 ARGUMENTS = "pppppppii"
+# Where the channels of a kind begin.
+FLOWS, SPOOLS = sensor_suite.PLACES["flow_meter"].start, sensor_suite.PLACES["spool_sensor"].start
+CASE_DRAIN, TANK = sensor_suite.PLACES["case_drain"].start, sensor_suite.PLACES["thermocouple"].start
 FROZEN, MISSING = 1.0, 2.0  # of a sensor's column
 Change = Callable[[Loop, Knowledge], tuple[Loop, Knowledge]]
 
@@ -79,10 +89,10 @@ def read(
         lengths=(seen.actuators.position[1], seen.actuators.position[2]),
         pressures=seen.pressures,
         supply=seen.supply_pressure,
-        spools=seen.spools,
-        flows=(seen.flows[0], seen.flows[1]),
-        case_drain=seen.case_drain_flow,
-        temperature=seen.temperatures[0],
+        spools=(seen.readings[SPOOLS], seen.readings[SPOOLS + 1], seen.readings[SPOOLS + 2]),
+        flows=(seen.readings[FLOWS], seen.readings[FLOWS + 1]),
+        case_drain=seen.readings[CASE_DRAIN],
+        temperature=seen.readings[TANK],
         valves=(
             _learnt(axes[0].valve, one.forward, one.backward),
             _learnt(axes[1].valve, two.forward, two.backward),
@@ -156,7 +166,7 @@ def _examples() -> dict[str, Any]:
     settings = controller_settings.Settings(), valve_driver_parameters.Settings()
     k = loop_kernel.knowledge(machine, machine, *settings, suite)
     loop = loop_kernel.begin(k, (0.0, 0.5, -1.5), suite)
-    p = monitor.Parameters(machine_numbers.parameters(machine), limits.LIMITS)
+    p = monitor.Parameters(residual_parameters.parameters(machine), residual_limits.LIMITS)
     return {"loop": loop, "knowledge": k, "state": monitor.BEGIN, "parameters": (p, Hand(1.0))}
 
 
@@ -165,7 +175,15 @@ def _entry() -> Entry:
     names: dict[str, Any] = {"period": loop_core.period, "sensed": loop_core.sensed, "moved": loop_core.moved}
     names |= {f.__name__: f for f in (operated, read, sensor_state, score, Levers)}
     names |= {"watched": monitor.step, "REST": levers_of.REST, "tip_position": tip_position}
-    n, m, line = residuals.COUNT, readings.COUNT, 12 * " "
+    tuples = {"k": ("knowledge", given["knowledge"]), "given": ("told", given["parameters"])}
+    noinline = (*loop_kernel.NOINLINE, monitor.step)
+    return Entry(text=_text(names), names=names, arguments=ARGUMENTS, tuples=tuples, noinline=noinline)
+
+
+def _text(names: dict[str, Any]) -> str:
+    """Return the kernel's source; names takes the types of what it makes."""
+    given = _examples()
+    n, m, line = residuals.COUNT, monitor_readings.COUNT, 12 * " "
     state, watch = given["loop"], given["state"]
     lines = [
         "def kernel(state, knowledge, monitor, told, work, normals, recorded, begin, end):",
@@ -201,10 +219,7 @@ def _entry() -> Entry:
         *(f"{line}recorded[out + {2 * n + i}] = watch.tests[{i}].mean" for i in range(n)),
         *(f"{line}recorded[out + {SENSORS + m + i}] = happened.tip[{i}]" for i in range(3)),
     ]
-    text = "\n".join(lines)
-    tuples = {"k": ("knowledge", given["knowledge"]), "given": ("told", given["parameters"])}
-    noinline = (*loop_kernel.NOINLINE, monitor.step)
-    return Entry(text=text, names=names, arguments=ARGUMENTS, tuples=tuples, noinline=noinline)
+    return "\n".join(lines)
 
 
 KERNEL = CachedKernel("diagnosis", _entry)

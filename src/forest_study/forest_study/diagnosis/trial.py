@@ -8,7 +8,7 @@ from forest_control.config import controller_settings
 from forest_control.valve import valve_driver_parameters
 from forest_description.machine import Machine
 from forest_description.types import Floats
-from forest_ident.diagnosis import limits, machine_numbers, monitor
+from forest_ident.diagnosis import monitor, residual_limits, residual_parameters
 from forest_msgs_py.types import PERIOD
 from forest_sim.equations.plant_parameters import PlantParameters
 from forest_sim.sensors.sensor_readings import Surroundings
@@ -53,7 +53,7 @@ def monitored(machine: Machine, seed: int, duration: float, fault: Injected, beg
     k = loop_kernel.knowledge(machine, machine, control, drive, suite)
     k = world.known(0, k)
     loop = loop_kernel.begin(k, one.start, suite)
-    told = monitor.Parameters(machine_numbers.parameters(machine), limits.LIMITS)
+    told = monitor.Parameters(residual_parameters.parameters(machine), residual_limits.LIMITS)
     setting = monitored_loop.Setting(loop, k, told, Hand(SPEED, steps=STEPS))
     normals = monitored_loop.draws(suite, len(one.work))
     changes = {row: world.change(row) for row in world.rows()}

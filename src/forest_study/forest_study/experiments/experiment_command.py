@@ -13,7 +13,6 @@ import argparse
 import math
 import shutil
 from pathlib import Path
-from typing import Any
 
 from forest_bringup.graph import ros_namespace
 from forest_bringup.supervisor import Stopped
@@ -24,7 +23,7 @@ from forest_ident.estimators import calibration
 from forest_ident.experiments import experiment_plan
 from forest_ident.measurements import session_bag
 from forest_ident.measurements.session import SessionError
-from forest_msgs_py.runtime.command_line import number, whole
+from forest_msgs_py.runtime.command_line import Subcommands, number, subcommand, whole
 from forest_study.experiments import experiment_graph
 from forest_study.experiments.experiment_graph import Conditions
 
@@ -32,11 +31,10 @@ DEFAULT = "c180_hoses"
 LOGS = "log"  # beside the bags
 
 
-def add_parser(verbs: Any) -> None:
+def add_parser(verbs: Subcommands) -> None:
     """Name the verb's flags."""
     text = "run the experiments of the identification, on a simulated machine or on the graph that runs"
-    parser = verbs.add_parser("experiment", help=text, description=text[0].upper() + text[1:] + ".")
-    parser.set_defaults(command=run)
+    parser = subcommand(verbs, "experiment", text, run)
     parser.add_argument("name", metavar="NAME|all", help="an experiment; 'list' tells them with their set-up")
     parser.add_argument(
         "--machine", metavar="NAME|FILE", help=f"default: {DEFAULT}; with --live: the valve driver's"

@@ -3,14 +3,13 @@
 import argparse
 from typing import Any
 
-from forest_compile.kernel_cache import can_compile
 from forest_description.machine import Machine, load_machine
 from forest_msgs_py.runtime.command_line import whole
 from forest_study.faults.catalogue import FAULTS
 from forest_study.faults.fault import State
 from forest_study.faults.fault_report import broken, page, worst
 from forest_study.faults.trials import Outcome, cell
-from forest_study.results import StudyError, write_json
+from forest_study.results import new_directory, require_llvm, write_json
 
 STATES = {state.value: state for state in State}
 
@@ -37,8 +36,8 @@ def run(options: argparse.Namespace) -> int:
         MachineError: the machine's file cannot be read.
         StudyError: LLVM is not installed.
     """
-    if not can_compile():
-        raise StudyError("faults needs LLVM, which is not installed: pip install 'forest-crane[fast]'")
+    new_directory(options.out)
+    require_llvm("faults")
     machine, seeds = load_machine(options.machine), range(options.seeds)
     wanted = [STATES[name] for name in options.state or STATES]
     study = Study(options, machine)

@@ -206,7 +206,8 @@ class ExperimentLoop(FaultyLoop):
             volts = ZERO
             angles = seen.joints.position
             if self._operator.accepts(stamp, now, "" if all(map(math.isfinite, angles)) else "no reading"):
-                readings = Readings(angles, self._pressures, seen.supply_pressure, seen.temperatures[0])
+                tank = seen.of_kind("thermocouple")[0]
+                readings = Readings(angles, self._pressures, seen.supply_pressure, tank)
                 volts, self._reason = self._operator.step(readings)
             self._commands.send(now, (now, volts))
         late = self._operator.overdue(now, "")

@@ -168,11 +168,6 @@ def repeated(moment: Moment, command: Command) -> Command:
     return first._replace(sent=command.sent)
 
 
-def commands_behind(_moment: Moment, command: Command) -> Command:
-    """The controller's clock is an hour behind."""
-    return command._replace(stamp=command.stamp - HOUR)
-
-
 def no_volts(_moment: Moment, _volts: Vec3) -> Vec3:
     """The valves' cable is cut."""
     return ZERO

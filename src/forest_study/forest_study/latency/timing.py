@@ -37,7 +37,7 @@ from forest_study.closed_loop.closed_loop import Joystick, Lateness, Operator, T
 from forest_study.closed_loop.closed_loop import run as run_loop
 from forest_study.latency import lever_delay
 from forest_study.measures import deviation
-from forest_study.results import write_json
+from forest_study.results import new_directory, write_json
 
 LATEST = 20  # periods: what answers older states was said at an end
 STALLS, GOES_ON = 0.06, 0.45  # a driver is held up in so many periods; and for another one
@@ -187,7 +187,9 @@ def run(options: argparse.Namespace) -> int:
     Raises:
         GraphError: there is no bag, or not what tells the times; the machine's spools do not tell them.
         MachineError: the machine's file cannot be read.
+        StudyError: the directory is not empty.
     """
+    new_directory(options.out)
     machine = load_machine(options.machine)
     _refuse_other_spools(machine)
     try:
@@ -197,7 +199,6 @@ def run(options: argparse.Namespace) -> int:
     except (FileNotFoundError, NotInBag) as error:
         raise GraphError(f"timing: {error}") from error
     report = {"lever_to_valve_ms": felt, **compared(session, timing, machine)}
-    options.out.mkdir(parents=True, exist_ok=True)
     write_json(options.out / "timing.json", report)
     print(table(report))
     print(f"  {options.out / 'timing.json'}")

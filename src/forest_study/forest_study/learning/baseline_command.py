@@ -10,13 +10,12 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from forest_compile.kernel_cache import can_compile
 from forest_description.geometry.kinematics import Links
 from forest_description.machine import load_machine
 from forest_msgs_py.runtime.command_line import whole
 from forest_study.learning import driven_crane, policies, tasks
 from forest_study.learning.policies import Policy
-from forest_study.results import StudyError, new_directory, write_json
+from forest_study.results import StudyError, new_directory, require_llvm, write_json
 
 if TYPE_CHECKING:
     from forest_study.learning.crane_env import CraneEnv
@@ -89,8 +88,7 @@ def run(options: argparse.Namespace) -> int:
         StudyError: something that it needs is not installed, or is in the directory for results.
         MachineError: the machine is not usable.
     """
-    if not can_compile():
-        raise StudyError("baseline needs LLVM, which is not installed: pip install 'forest-crane[learning]'")
+    require_llvm("baseline", "learning")
     try:
         from forest_study.learning.crane_env import CraneEnv
     except ModuleNotFoundError as error:

@@ -29,7 +29,7 @@ from forest_sim.sensors import sensor_readings
 from forest_sim.sensors.sensor_suite import Suite, draw, noise_generator
 from forest_sim.solver.compiled_plant import compiled_advance
 from forest_sim.solver.equilibrium import equilibrium
-from forest_study.closed_loop import loop_kernel
+from forest_study.closed_loop import compiled_loop
 from forest_study.closed_loop.closed_loop import until_first_report
 from forest_study.closed_loop.loop_core import SUBSTEPS
 
@@ -87,8 +87,8 @@ class LeverCrane:
         scheme = Scheme.COORDINATED if self._tip else Scheme.JOINT
         held = np.tile(np.array([0.0, 0.0, 0.0, 1.0]), (PERIODS * steps, 1))
         settings, driver = Settings(scheme=scheme, tip_speed=TIP_SPEED), valve_driver_parameters.Settings()
-        prepared = loop_kernel.prepared(machine, held, start, settings, driver, suite=suite, plant=plant)
-        self._session = loop_kernel.Session(prepared, every=PERIODS)
+        prepared = compiled_loop.prepared(machine, held, start, settings, driver, suite=suite, plant=plant)
+        self._session = compiled_loop.Session(prepared, every=PERIODS)
         names = [path for path, _ in flat_layout.leaves(self._session.loop, "loop")]
         self._read, self._armed = [names.index(name) for name in ESTIMATES], names.index(ARMED)
 

@@ -12,7 +12,7 @@ tolerance of the task: a log is laid on them. No force comes of a contact: the s
 
 import numpy as np
 
-from forest_description.mechanics.manipulator import Manipulator
+from forest_description.mechanics.manipulator_parameters import Manipulator
 from forest_description.types import Bools, Floats
 from forest_study.log_work.site import Site
 

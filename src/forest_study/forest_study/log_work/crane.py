@@ -27,7 +27,7 @@ from forest_sim.simulation.load import Load, loaded
 from forest_sim.solver.compiled_plant import compiled_record
 from forest_sim.solver.integrator import Simulation
 from forest_sim.solver.state_recording import ENERGY, STATE
-from forest_study.closed_loop import loop_kernel
+from forest_study.closed_loop import compiled_loop
 from forest_study.closed_loop.loop_core import SUBSTEPS
 from forest_study.tracking.tracking import noisy
 
@@ -94,10 +94,10 @@ class Crane:
         rows = LOOK * round(seconds / (LOOK * PERIOD))
         held = np.tile(np.array([0.0, 0.0, 0.0, 1.0]), (rows, 1))
         drive = valve_driver_parameters.Settings()
-        prepared = loop_kernel.prepared(
+        prepared = compiled_loop.prepared(
             machine, held, pose_at(tip, machine), self.settings, drive, suite=noisy(machine, seed)
         )
-        self._session, self._plant = loop_kernel.Session(prepared, every=LOOK), plant_parameters(machine)
+        self._session, self._plant = compiled_loop.Session(prepared, every=LOOK), plant_parameters(machine)
         first = self._session.loop.simulation
         self._pieces = [Piece(0, first, self._plant)]
         half = max(0, round(0.5 * trip / (LOOK * PERIOD)))

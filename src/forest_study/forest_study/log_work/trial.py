@@ -16,7 +16,7 @@ from forest_description.types import Floats, Vec3
 from forest_sim.simulation.load import Load
 from forest_study.log_work import taught
 from forest_study.log_work.crane import Crane, Seen, grip_of
-from forest_study.log_work.hands import Hands
+from forest_study.log_work.manual_control import ManualControl
 from forest_study.log_work.person import Person
 from forest_study.log_work.site import Site, site_of
 from forest_study.log_work.task import ACROSS, GRASP, HOLD, RELEASE, UP, Leg, legs, start
@@ -45,7 +45,7 @@ def work(machine: Machine, mode: str, person: Person, trip: float, seed: int) ->
     x, y, z = start(site)
     crane = Crane(machine, mode, (x, y, z + site.hang), LONGEST, trip, seed)
     error = person.joint_error if mode == "joint" else person.tip_error
-    shift = _Shift(crane, site, person, Hands(person, error, trip, LOOK_TIME, seed), mode)
+    shift = _Shift(crane, site, person, ManualControl(person, error, trip, LOOK_TIME, seed), mode)
     for leg in legs(site):
         shift.go(leg)
         if leg.act:
@@ -68,8 +68,8 @@ def work(machine: Machine, mode: str, person: Person, trip: float, seed: int) ->
 class _Shift:
     """An operator at work between two looks."""
 
-    def __init__(self, crane: Crane, site: Site, person: Person, hands: Hands, mode: str) -> None:
-        self._crane, self._site, self._person, self._hands = crane, site, person, hands
+    def __init__(self, crane: Crane, site: Site, person: Person, manual: ManualControl, mode: str) -> None:
+        self._crane, self._site, self._person, self._manual = crane, site, person, manual
         self._joint, self._carries, self._speed = mode == "joint", False, 0.0
         default = crane.settings
         self._speeds = np.array(default.joint_rates if self._joint else default.axis_speed)
@@ -80,9 +80,9 @@ class _Shift:
 
     def go(self, leg: Leg) -> None:
         """Steer to a leg's end."""
-        self._hands.new_leg()
+        self._manual.new_leg()
         while not self._arrived(leg):
-            levers = self._hands.steer(self._left(leg.goal), self._speeds, self._crane.time)
+            levers = self._manual.steer(self._left(leg.goal), self._speeds, self._crane.time)
             before = self._grip
             self._seen = self._look(leg, leg.part, levers)
             self._grip = grip_of(self._seen, self._site.hang)
@@ -98,7 +98,7 @@ class _Shift:
 
     def _wait(self, leg: Leg, seconds: float) -> None:
         for _ in range(round(seconds / LOOK_TIME)):
-            self._seen = self._look(leg, HOLD, self._hands.rest())
+            self._seen = self._look(leg, HOLD, self._manual.rest())
 
     def _look(self, leg: Leg, part: str, levers: Levers) -> Seen:
         where = f"it ended in carry {leg.number}, {part}"

@@ -4,13 +4,13 @@ import numpy as np
 
 from forest_description.derived.limits import pose_at
 from forest_description.machine import Machine
-from forest_description.mechanics.manipulator import Manipulator
+from forest_description.mechanics.manipulator_parameters import Manipulator
 from forest_description.types import Floats
 from forest_msgs_py.types import PERIOD
 from forest_sim.equations.plant_parameters import PlantParameters
 from forest_sim.sensors.sensor_suite import Suite
 from forest_sim.simulation.load import Load, loaded
-from forest_study.closed_loop import loop_kernel
+from forest_study.closed_loop import compiled_loop
 from forest_study.closed_loop.closed_loop import Trajectory
 from forest_study.matrix.figures import Figures
 from forest_study.tracking.tracking import Course
@@ -49,7 +49,7 @@ def grasped_and_dropped(
         rows = np.tile([0.0, 0.0, 0.0, held], (ENDED, 1))
         start = pose_at(course.start, machine)
         given = (machine, rows, start, course.settings, drive, course.model, suite, plant)
-        runs.append(loop_kernel.prepared(*given).run(loads))
+        runs.append(compiled_loop.prepared(*given).run(loads))
     ours, shut = runs
     away: Floats = 1e3 * np.linalg.norm(ours.tip - ours.tip[GRASPED], axis=1)[GRASPED:]
     back = max(_back(away[: DROPPED - GRASPED] / 1e3), _back(away[DROPPED - GRASPED :] / 1e3))  # [s]

@@ -3,13 +3,12 @@
 import argparse
 from typing import Any
 
-from forest_compile.kernel_cache import can_compile
 from forest_description.machine import load_machine
 from forest_msgs_py.runtime.command_line import whole
 from forest_study.matrix.matrix_rows import FACTORS, apart, matrix_rows
 from forest_study.matrix.matrix_runs import run_row
 from forest_study.matrix.rivals import RIVALS
-from forest_study.results import StudyError, write_json
+from forest_study.results import new_directory, require_llvm, write_json
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -42,8 +41,8 @@ def run(options: argparse.Namespace) -> int:
         MachineError: the machine's file cannot be read, or lacks what is drawn.
         StudyError: LLVM is not installed.
     """
-    if not can_compile():
-        raise StudyError("matrix needs LLVM, which is not installed: pip install 'forest-crane[fast]'")
+    new_directory(options.out)
+    require_llvm("matrix")
     from forest_study.matrix.matrix_report import draw, table, told  # matplotlib takes half a second
 
     machine, rows = load_machine(options.machine), matrix_rows()

@@ -63,69 +63,65 @@ class MatrixRow(NamedTuple):
 def matrix_rows() -> dict[str, MatrixRow]:
     """Return the rows by their names."""
     five = tuple(path_named(name) for name in NAMES)
+    plain = MatrixRow("plain", "0.5 m/s, no hysteresis, no backlash", HIDDEN, five, (0.5,), Aim(3.0, 8.0))
+    exact = plain._replace(name="exact", text="the machine as believed, 0.5 m/s", aim=Aim(0.8, 3.0))
+    fast = plain._replace(
+        name="fast", text="1 m/s, no hysteresis, no backlash", speeds=(1.0,), aim=Aim(8.0, 20.0)
+    )
+    hysteresis = plain._replace(
+        name="hysteresis",
+        text="0.5 m/s, 0 to 0.3 V of hysteresis",
+        ranges=HIDDEN._replace(hysteresis=HYSTERESIS),
+        aim=Aim(5.0, 10.0),
+    )
+    backlash = hysteresis._replace(
+        name="backlash", text="0.5 m/s, 0 to 0.2° of backlash", ranges=HIDDEN._replace(backlash=BACKLASH)
+    )
     both = HIDDEN._replace(hysteresis=HYSTERESIS, backlash=BACKLASH)
-    plain, played = Aim(3.0, 8.0), Aim(5.0, 10.0)
+    bending = plain._replace(
+        name="bending",
+        text="as believed but for links 50 % softer to stiffer, 0.5 m/s",
+        ranges=HIDDEN._replace(bending=BENDING),
+        aim=Aim(),
+    )
     rows = (
-        drawn_from(
-            MatrixRow("exact", "the machine as believed, 0.5 m/s", HIDDEN, five, (0.5,), Aim(0.8, 3.0)), ()
-        ),
-        MatrixRow("plain", "0.5 m/s, no hysteresis, no backlash", HIDDEN, five, (0.5,), plain),
-        MatrixRow(
-            "hysteresis",
-            "0.5 m/s, 0 to 0.3 V of hysteresis",
-            HIDDEN._replace(hysteresis=HYSTERESIS),
-            five,
-            (0.5,),
-            played,
-        ),
-        MatrixRow(
-            "backlash",
-            "0.5 m/s, 0 to 0.2° of backlash",
-            HIDDEN._replace(backlash=BACKLASH),
-            five,
-            (0.5,),
-            played,
-        ),
-        MatrixRow("both", "0.5 m/s, hysteresis and backlash", both, five, (0.5,), played),
-        MatrixRow("fast", "1 m/s, no hysteresis, no backlash", HIDDEN, five, (1.0,), Aim(8.0, 20.0)),
-        MatrixRow(
-            "slow",
-            "0.4 m at 0.02, 0.05, 0.1 m/s, both",
-            both,
-            tuple(map(_middle, five[:3])),
-            (0.02, 0.05, 0.1),
-            Aim(velocity_rms=0.01),
-        ),
-        MatrixRow(
-            "inch",
-            "2 cm in 0.5 s from rest, both",
-            both,
-            tuple(map(_inch, INCHES)),
-            (INCH_SPEED,),
-            Aim(end_mm=2.0, overshoot_mm=3.0),
-        ),
-        drawn_from(
-            MatrixRow(
-                "bending",
-                "as believed but for links 50 % softer to stiffer, 0.5 m/s",
-                HIDDEN._replace(bending=BENDING),
-                five,
-                (0.5,),
-                Aim(),
-            ),
-            ("bending",),
-        ),
-        MatrixRow(
-            "load",
-            "1.2 t grasped and dropped at rest; overshoot beyond shut valves', time until within 5 mm",
-            HIDDEN._replace(head=None),
-            (_inch("up"),),
-            (INCH_SPEED,),
-            Aim(),
-            load=LOG,
-        ),
+        drawn_from(exact, ()),
+        plain,
+        hysteresis,
+        backlash,
+        hysteresis._replace(name="both", text="0.5 m/s, hysteresis and backlash", ranges=both),
+        fast,
+        *_short_rows(five, both),
+        drawn_from(bending, ("bending",)),
+        _load_row(),
     )
     return {row.name: row for row in rows}
+
+
+def _short_rows(paths: tuple[TipPath, ...], ranges: Ranges) -> tuple[MatrixRow, MatrixRow]:
+    """Return the rows of slow motion, on the middles of three paths, and of short motion."""
+    aim = Aim(velocity_rms=0.01)
+    slow = tuple(map(_middle, paths[:3]))
+    inch = Aim(end_mm=2.0, overshoot_mm=3.0)
+    return (
+        MatrixRow("slow", "0.4 m at 0.02, 0.05, 0.1 m/s, both", ranges, slow, (0.02, 0.05, 0.1), aim),
+        MatrixRow(
+            "inch", "2 cm in 0.5 s from rest, both", ranges, tuple(map(_inch, INCHES)), (INCH_SPEED,), inch
+        ),
+    )
+
+
+def _load_row() -> MatrixRow:
+    """Return the row in which a log is grasped and dropped."""
+    return MatrixRow(
+        "load",
+        "1.2 t grasped and dropped at rest; overshoot beyond shut valves', time until within 5 mm",
+        HIDDEN._replace(head=None),
+        (_inch("up"),),
+        (INCH_SPEED,),
+        Aim(),
+        load=LOG,
+    )
 
 
 def drawn_from(row: MatrixRow, factors: Collection[str]) -> MatrixRow:

@@ -16,7 +16,7 @@ import numpy as np
 from forest_control.limits.load_moment import allowed_load, capacity
 from forest_control.taught.tip_path import PathError, TipPath
 from forest_description.machine import Machine
-from forest_description.mechanics.manipulator import Manipulator
+from forest_description.mechanics.manipulator_parameters import Manipulator
 from forest_msgs_py.types import PERIOD
 from forest_sim.equations.plant_parameters import PlantParameters
 from forest_study.closed_loop import loop_kernel, model_mismatch

@@ -43,12 +43,6 @@ def relay(height: float, amplitude: float) -> float:
     return 1.0 + 4.0 * height / (math.pi * amplitude)
 
 
-def dead_zone(half_width: float, amplitude: float) -> float:
-    """Return N of a gain of one behind a dead zone, for a sine of an amplitude in the zone's unit."""
-    x = min(1.0, half_width / amplitude)
-    return 1.0 - 2.0 * (math.asin(x) + x * math.sqrt(1.0 - x * x)) / math.pi
-
-
 def limit_cycle(
     machine: Machine, angles: Vec3, axis: int, surplus: float, settings: Settings
 ) -> LimitCycle | None:

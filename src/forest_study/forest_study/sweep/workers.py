@@ -11,9 +11,8 @@ import os
 from collections.abc import Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
-from forest_compile.kernel_cache import can_compile
 from forest_study.closed_loop import loop_kernel
-from forest_study.results import StudyError
+from forest_study.results import StudyError, require_llvm
 from forest_study.sweep.design import Run
 from forest_study.sweep.trials import KINDS
 
@@ -59,8 +58,7 @@ def cluster(scheduler: str | None, workers: int | None) -> "Iterator[Client]":
     Raises:
         StudyError: Dask or LLVM is not installed, or the scheduler does not answer.
     """
-    if not can_compile():
-        raise StudyError("sweep needs LLVM, which is not installed: pip install 'forest-crane[fast]'")
+    require_llvm("sweep")
     try:
         from distributed import Client, LocalCluster
     except ImportError:

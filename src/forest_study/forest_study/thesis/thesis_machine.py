@@ -32,7 +32,7 @@ from forest_description.geometry.kinematics import inverse_kinematics, joint_rat
 from forest_description.machine import Machine, load_machine
 from forest_description.types import Vec3
 from forest_msgs_py.types import PERIOD
-from forest_study.closed_loop import loop_kernel
+from forest_study.closed_loop import compiled_loop
 from forest_study.closed_loop.closed_loop import Operator
 from forest_study.thesis.thesis_plant import DRIVE, Motion
 from forest_study.thesis.thesis_schemes import INTEGRAL_SHARE
@@ -118,7 +118,7 @@ def motion(trial: Trial) -> Motion:
 
     duration = REST_BEFORE + THESIS_DURATION + PERIOD
     drive = valve_driver_parameters.Settings(adapt=False)  # who learns the mismatch hides what it costs
-    moved = loop_kernel.by_heart(machine, operator, duration, start, settings, drive, model)
+    moved = compiled_loop.by_heart(machine, operator, duration, start, settings, drive, model)
     first = round(REST_BEFORE / PERIOD)
     time, tip = moved.time[first:] - REST_BEFORE, moved.tip[first:]
     wished = np.array([thesis_tip_velocity(PERIOD * k) for k in range(len(time))])

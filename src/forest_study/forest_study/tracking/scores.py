@@ -14,7 +14,7 @@ from forest_description.machine import Machine
 from forest_description.types import Floats
 from forest_msgs_py.types import PERIOD
 from forest_study.closed_loop.closed_loop import Trajectory
-from forest_study.closed_loop.loop_kernel import Led
+from forest_study.closed_loop.compiled_loop import Led
 from forest_study.measures import deviation, ideal, line_of, time_lost
 
 SATURATED = 0.999  # of the rated voltage

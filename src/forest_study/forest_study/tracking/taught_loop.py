@@ -8,13 +8,10 @@ from collections.abc import Callable
 from functools import partial
 from pathlib import Path
 
-import numpy as np
-
 from forest_control.config import controller_settings
 from forest_control.operator.levers import REST
 from forest_control.taught.player import Output, Phase
 from forest_control.taught.taught_work import Seen, TaughtWork
-from forest_control.taught.teaching import distances
 from forest_control.valve import valve_driver_parameters
 from forest_description.derived.limits import pose_at
 from forest_description.geometry.kinematics import tip_position
@@ -25,7 +22,6 @@ from forest_sim.equations.plant_parameters import PlantParameters, plant_paramet
 from forest_sim.sensors.sensor_suite import Suite, sensor_suite
 from forest_study.closed_loop.closed_loop import ClosedLoop, Operator
 from forest_study.closed_loop.loop_core import Happened
-from forest_study.measures import Deviation, deviation
 
 FAST = partial(ClosedLoop, fast=True)
 
@@ -105,8 +101,3 @@ class TaughtLoop:
             self.events.append(output.event)
         if output.command is not None:
             self.loop.controller.hear_taught(self.work.run, output.command, self.time)
-
-
-def cross_track(points: list[Vec3], tips: list[Vec3]) -> Deviation:
-    """Return how far tips [m] were from the path through points [m]."""
-    return deviation(distances(points, np.array(tips)))

@@ -11,7 +11,6 @@ from typing import Any
 
 from forest_bringup.graph_lock import GraphError
 from forest_bringup.profile_choice import add_profile_option
-from forest_compile.kernel_cache import can_compile
 from forest_control.config.profile_file import with_gains_of
 from forest_control.servo.joint_angle_filter import Source
 from forest_control.servo.schemes import LABELS, scheme_named
@@ -20,7 +19,7 @@ from forest_control.valve.unlearnt_valves import told
 from forest_description.machine import Machine, load_machine
 from forest_msgs_py.runtime.command_line import number, whole
 from forest_study.closed_loop import model_mismatch
-from forest_study.results import StudyError, new_directory, write_json
+from forest_study.results import StudyError, new_directory, require_llvm, write_json
 from forest_study.tracking.paths import NAMES, path_named
 from forest_study.tracking.scores import Score
 from forest_study.tracking.track_runs import Run, Variation, quantiles, run_many
@@ -80,8 +79,7 @@ def run(options: argparse.Namespace) -> int:
         StudyError: LLVM is not installed, something is in the directory for results, or options contradict.
         GraphError: a run through ROS failed, or gave other figures.
     """
-    if not can_compile():
-        raise StudyError("track needs LLVM, which is not installed: pip install 'forest-crane[fast]'")
+    require_llvm("track")
     if options.through_ros and options.mismatch:
         raise StudyError("track: --through-ros does not go with --mismatch: nodes read machines from files")
     if options.static_errors and not options.noise:

@@ -2,8 +2,9 @@
 
 The levers go into a bag of /joy, a message for every period, which the joystick's node says again; a
 recorder writes down what came of it. Row k of a trajectory is step k + 1: the true state of the machine, and
-what controller and driver answer to what its sensors say of it. So it is in `closed_loop` and `loop_kernel`,
-which give the same numbers without ROS. As there, the oil stays as warm as the machine's file says.
+what controller and driver answer to what its sensors say of it. So it is in `closed_loop` and
+`compiled_loop`, which give the same numbers without ROS. As there, the oil stays as warm as the machine's
+file says.
 """
 
 import math

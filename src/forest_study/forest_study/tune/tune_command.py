@@ -6,10 +6,9 @@ import sys
 import time
 from typing import Any
 
-from forest_compile.kernel_cache import can_compile
 from forest_msgs_py.runtime.command_line import StatusLine, whole
 from forest_study.matrix.matrix_rows import matrix_rows
-from forest_study.results import StudyError, write_json
+from forest_study.results import require_llvm, write_json
 from forest_study.tune import tune_report
 from forest_study.tune.bench import Bench
 from forest_study.tune.gains import gains_of, point_of, profile, settings_of
@@ -42,8 +41,7 @@ def run(options: argparse.Namespace) -> int:
         MachineError: the machine's file cannot be read, or lacks what is drawn.
         StudyError: LLVM is not installed, another search is in the directory, or a valve stays shut.
     """
-    if not can_compile():
-        raise StudyError("tune needs LLVM, which is not installed: pip install 'forest-crane[fast]'")
+    require_llvm("tune")
     rows = [matrix_rows()[name] for name in dict.fromkeys(options.row)]
     bench = Bench(options.out, options.machine, rows)
     plants = opened(bench.machine, [path.at(0.0) for row in rows for path in row.paths])

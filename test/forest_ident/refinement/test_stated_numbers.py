@@ -1,4 +1,4 @@
-"""Told numbers carry an uncertainty: a wrong one is within the intervals of what is found with it."""
+"""Stated numbers carry an uncertainty: a wrong one is within the intervals of what is found with it."""
 
 import numpy as np
 import pytest
@@ -10,7 +10,7 @@ from forest_ident.measurements.parameter_path import value_of, with_values
 from forest_ident.output_error.fit_problem import Channel, Unknown
 from forest_ident.output_error.gaussian_estimate import GaussianEstimate
 from forest_ident.output_error.output_error import fit
-from forest_ident.refinement import told_numbers
+from forest_ident.refinement import stated_numbers
 from forest_ident.refinement.identification import identify
 
 C180 = load_machine("c180_hoses")
@@ -33,7 +33,7 @@ def test_a_stick_that_is_told_wrong_is_within_the_intervals_of_the_masses(found)
 
 def test_the_table_says_how_much_of_an_interval_was_told_and_by_what(found):
     head = found.estimates["manipulator.head_mass"]
-    assert head.told > 0.9
+    assert head.stated > 0.9
     assert head.most == STICK
 
 
@@ -44,17 +44,17 @@ def test_a_file_may_state_an_uncertainty_and_it_counts_as_the_default_would(tmp_
     stated = uncertainties(file)
     assert stated == {STICK: 11.0}
     machine = load_machine(file)
-    assert told_numbers.errors(machine, stated)[STICK] == pytest.approx(11.0 / NORMAL_95)
-    assert told_numbers.errors(machine, {})[STICK] == pytest.approx(0.2 * 544.0 / NORMAL_95)
+    assert stated_numbers.errors(machine, stated)[STICK] == pytest.approx(11.0 / NORMAL_95)
+    assert stated_numbers.errors(machine, {})[STICK] == pytest.approx(0.2 * 544.0 / NORMAL_95)
 
 
 def test_a_told_number_adds_its_share_to_the_error():
     known = GaussianEstimate(("a",), np.zeros(1), np.array([[16.0]]), np.array([[0.0, 3.0]]))
     e = Estimate("a", 100.0, 4.0, "kg", 1.0, "test", positive=False)
-    with_told = told_numbers.with_told(e, known, ["areas", "stick"])
-    assert with_told.standard_error == pytest.approx(5.0)
-    assert with_told.told == pytest.approx(9.0 / 25.0)
-    assert with_told.most == "stick"
+    with_stated = stated_numbers.with_stated(e, known, ["areas", "stick"])
+    assert with_stated.standard_error == pytest.approx(5.0)
+    assert with_stated.stated == pytest.approx(9.0 / 25.0)
+    assert with_stated.most == "stick"
 
 
 def line(values):
@@ -71,7 +71,7 @@ def test_a_plant_that_answers_with_chance_is_not_taken_for_one_that_feels_a_told
     unknown, channel = Unknown("slope", 2.0, positive=False), Channel("y", 0.01)
     measured = {"y": line({"slope": 2.0})["y"]}
     felt, stuck = (
-        fit(model, measured, [channel], [unknown], told=[{"told": 0.005}]).posterior.slopes
+        fit(model, measured, [channel], [unknown], stated=[{"told": 0.005}]).posterior.slopes
         for model in (line, sticking)
     )
     assert felt is not None
@@ -83,11 +83,11 @@ def test_an_estimate_moves_with_a_told_number_as_a_fit_with_another_one_does():
     measured = {"y": line({"slope": 2.0})["y"] + generator.normal(0.0, 0.01, 400)}
     unknown, channel = Unknown("slope", 1.0, positive=False), Channel("y", 0.01)
     sd = 0.05
-    one = fit(line, measured, [channel], [unknown], told=[{"told": sd}])
+    one = fit(line, measured, [channel], [unknown], stated=[{"told": sd}])
     other = fit(lambda v: line({**v, "told": sd}), measured, [channel], [unknown])
     moved = other.values["slope"] - one.values["slope"]
     assert one.posterior.slopes == pytest.approx(np.array([[moved]]), rel=1e-3)
     left = line({"slope": moved, "told": sd})["y"]
-    assert one.told_noise["y"] == pytest.approx(float(np.sqrt(np.mean(left**2))), rel=0.02)
-    again = fit(line, measured, [channel], [unknown], prior=one.posterior, told=[{}])
+    assert one.stated_noise["y"] == pytest.approx(float(np.sqrt(np.mean(left**2))), rel=0.02)
+    again = fit(line, measured, [channel], [unknown], prior=one.posterior, stated=[{}])
     assert again.posterior.slopes == pytest.approx(0.5 * one.posterior.slopes, rel=0.1)  # it does not feel it

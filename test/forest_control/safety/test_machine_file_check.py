@@ -9,9 +9,9 @@ import pytest
 from forest_control.config import controller_settings
 from forest_control.limits.load_weighing import UNREAD as NO_PRESSURES
 from forest_control.operator.levers import Levers, levers_for_tip_velocity
-from forest_control.safety import machine_file
-from forest_control.safety.machine_file import PROVEN, STRANGE, FileCheck, is_wrong, objection, watched
-from forest_control.safety.sinking_joint import LONG, WAY, Sinking, asked
+from forest_control.safety import machine_file_check
+from forest_control.safety.machine_file_check import PROVEN, STRANGE, FileCheck, is_wrong, objection, watched
+from forest_control.safety.overloaded_joint import LONG, WAY, Overload, commanded_rates
 from forest_control.servo.joint_angle_filter import UNREAD
 from forest_control.servo.schemes import Scheme
 from forest_control.valve import valve_driver_parameters
@@ -155,18 +155,18 @@ def test_a_machine_that_is_only_somewhat_off_is_not_taken_for_another(seed):
 
 P = controller_settings.parameters(C180, controller_settings.Settings())
 ANGLES = (0.0, 0.5, -1.4)
-NOTHING_SINKS = Sinking()
+NO_OVERLOAD = Overload()
 FITTING = cylinder_length(ANGLES[1], P.linkages[0]), cylinder_length(ANGLES[2], P.linkages[1])
 
 
 def after(
-    check, seconds, rates=ZERO, command=ZERO, lengths=UNREAD, sinking=NOTHING_SINKS, opens=1.0,
+    check, seconds, rates=ZERO, command=ZERO, lengths=UNREAD, overload=NO_OVERLOAD, opens=1.0,
     pressures=NO_PRESSURES,
 ):  # fmt: skip
     voltages = tuple(opens * (volts + math.copysign(1.1, volts)) if volts else 0.0 for volts in command)
     for _ in range(round(seconds / PERIOD)):
-        u = asked(ANGLES, command, P)
-        check = watched(check, ANGLES, rates, lengths, u, voltages, sinking, pressures, P, PERIOD)
+        u = commanded_rates(ANGLES, command, P)
+        check = watched(check, ANGLES, rates, lengths, u, voltages, overload, pressures, P, PERIOD)
     return check
 
 
@@ -189,9 +189,9 @@ def off(angle):
 def test_lengths_that_are_off_by_less_than_a_broken_transducer_s_are_found_in_any_pose():
     fitted, long = after(FileCheck(), PERIOD, lengths=FITTING), STRANGE + 2.0 * PERIOD
     assert not is_wrong(after(fitted, 10.0, lengths=off(0.028)))
-    assert after(fitted, long, lengths=off(0.032)).wrong == machine_file.BOOM
+    assert after(fitted, long, lengths=off(0.032)).wrong == machine_file_check.BOOM
     assert not is_wrong(after(fitted, STRANGE - 2.0 * PERIOD, lengths=off(0.032)))
-    assert after(FileCheck(), long, lengths=off(-0.032)).wrong == machine_file.BOOM
+    assert after(FileCheck(), long, lengths=off(-0.032)).wrong == machine_file_check.BOOM
     assert not is_wrong(after(fitted, 10.0, lengths=off(0.102)))  # it is broken
     hung = after(fitted, long, lengths=off(0.032))
     assert not is_wrong(after(hung, PERIOD, lengths=FITTING))
@@ -208,7 +208,7 @@ def test_a_joint_that_has_proven_right_is_not_asked_again(joint, side):
     against = {"rates": of(-0.05 * side), "command": of(3.0 * side)}
     long = (PROVEN + 0.001) / 0.05
     assert not is_wrong(after(FileCheck(), long - 0.1, **against))
-    assert after(FileCheck(), long, **against).wrong == machine_file.POLARITY + joint
+    assert after(FileCheck(), long, **against).wrong == machine_file_check.POLARITY + joint
     proven = after(FileCheck(), long, of(0.05 * side), of(3.0 * side))
     assert not is_wrong(after(proven, 5.0, **against))
     assert not is_wrong(after(FileCheck(), 5.0, of(-0.05 * side), of(1e-3 * side)))  # it only feeds leakage
@@ -222,12 +222,12 @@ def test_a_joint_that_has_proven_right_is_not_asked_again(joint, side):
 
 
 def test_a_joint_that_sinks_before_it_has_proven_right_is_the_file_s():
-    sinking = Sinking((0.0, 2.0 * WAY, 0.0), (0.0, 2.0 * LONG[1], 0.0))
+    overload = Overload((0.0, 2.0 * WAY, 0.0), (0.0, 2.0 * LONG[1], 0.0))
     up = (0.0, 3.0, 0.0)
-    assert after(FileCheck(), PERIOD, command=up, sinking=sinking).wrong == machine_file.POLARITY + 1
-    assert not is_wrong(after(FileCheck(), PERIOD, sinking=sinking))  # others have the valves
+    assert after(FileCheck(), PERIOD, command=up, overload=overload).wrong == machine_file_check.POLARITY + 1
+    assert not is_wrong(after(FileCheck(), PERIOD, overload=overload))  # others have the valves
     proven = FileCheck(ways=(PROVEN, PROVEN, PROVEN))
-    assert not is_wrong(after(proven, PERIOD, command=up, sinking=sinking))
+    assert not is_wrong(after(proven, PERIOD, command=up, overload=overload))
 
 
 @pytest.mark.parametrize(("side", "fed"), [(1.0, 0), (-1.0, 1)])

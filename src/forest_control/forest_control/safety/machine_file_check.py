@@ -14,7 +14,7 @@ way, no motion is what its command says. Then the file is to be set right, and t
 
 A boom that goes back before it has proven right may also carry too much: then its pressure is the pump's or
 more, while oil that is led to the other side leaves it to its weight. Such a way does not count
-(`sinking_joint` names it).
+(`overloaded_joint` names it).
 
 | symbol | name | unit |
 |---|---|---|
@@ -30,9 +30,9 @@ from typing import NamedTuple
 
 from forest_control.config.controller_settings import Parameters
 from forest_control.limits.load_weighing import Pressures
-from forest_control.safety import machine_answers, sinking_joint
+from forest_control.safety import machine_answers, overloaded_joint
 from forest_control.safety.machine_answers import NO_ANSWERS, Answers
-from forest_control.safety.sinking_joint import Sinking, opens
+from forest_control.safety.overloaded_joint import Overload, opens
 from forest_control.servo.joint_angle_filter import FARTHEST, Lengths
 from forest_description.geometry.linkage import angle_at
 from forest_description.types import AXES, ZERO, Vec3
@@ -63,7 +63,7 @@ def watched(
     lengths: Lengths,
     asked: Vec3,
     voltages: Vec3,
-    sinking: Sinking,
+    overload: Overload,
     pressures: Pressures,
     p: Parameters,
     dt: float,
@@ -77,7 +77,7 @@ def watched(
         lengths: of the cylinders of boom and stick [m]; NaN: not measured.
         asked: joint rates [rad/s] of the command since the last sample.
         voltages: of the valves, as the driver says [V]: what no open valve has moved proves nothing.
-        sinking: joints that have gone against their valves.
+        overload: joints that have gone against their valves.
         pressures: in the boom's cylinder, head and rod side [Pa]; NaN: not measured.
         p: the controller's parameters.
         dt: since the last sample [s].
@@ -85,11 +85,7 @@ def watched(
     if before.wrong >= POLARITY or (before.wrong != FITS and not before.fitted):
         return before
     loaded = (pressures[0] if voltages[1] > 0.0 else pressures[1]) > BORNE * p.speed_limits.supply_pressure
-    u = (
-        asked[0] if opens(voltages[0], 0, p) else 0.0,
-        asked[1] if opens(voltages[1], 1, p) and not loaded else 0.0,
-        asked[2] if opens(voltages[2], 2, p) else 0.0,
-    )
+    u = _opened_for(asked, voltages, loaded, p)
     ways = (
         _way(before.ways[0], u[0], rates[0], dt),
         _way(before.ways[1], u[1], rates[1], dt),
@@ -108,10 +104,19 @@ def watched(
     for i in range(3):
         if machine_answers.is_of_another_rate(answers, i):
             wrong = GAIN + i
-        sinks = asked[i] != 0.0 and sinking_joint.sinks(sinking, i) and not (i == 1 and loaded)
-        if ways[i] < -PROVEN or (ways[i] < PROVEN and sinks):
+        goes_back = asked[i] != 0.0 and overloaded_joint.goes_back(overload, i) and not (i == 1 and loaded)
+        if ways[i] < -PROVEN or (ways[i] < PROVEN and goes_back):
             wrong = POLARITY + i
     return FileCheck(ways, strange, fitted, wrong, answers)
+
+
+def _opened_for(asked: Vec3, voltages: Vec3, loaded: bool, p: Parameters) -> Vec3:
+    """Return the joint rates [rad/s] asked of open valves; none of a boom that a load presses back."""
+    return (
+        asked[0] if opens(voltages[0], 0, p) else 0.0,
+        asked[1] if opens(voltages[1], 1, p) and not loaded else 0.0,
+        asked[2] if opens(voltages[2], 2, p) else 0.0,
+    )
 
 
 def _way(before: float, u: float, v: float, dt: float) -> float:

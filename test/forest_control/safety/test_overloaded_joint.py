@@ -8,7 +8,7 @@ import pytest
 from forest_control.config import controller_settings
 from forest_control.limits.velocity_scaling import Limit
 from forest_control.operator.levers import Levers, levers_for_tip_velocity
-from forest_control.safety.sinking_joint import LONG, WAY, Sinking, is_overloaded, objection, watched
+from forest_control.safety.overloaded_joint import LONG, WAY, Overload, is_overloaded, objection, watched
 from forest_control.valve import valve_driver_parameters
 from forest_description.derived.limits import pose_at
 from forest_description.geometry.kinematics import tip_velocity
@@ -202,10 +202,10 @@ P = controller_settings.parameters(C180, controller_settings.Settings())
 
 
 def gone(rates, volts, seconds, u=ZERO):
-    sinking = Sinking()
+    overload = Overload()
     for _ in range(round(seconds / PERIOD)):
-        sinking = watched(sinking, u, rates, volts, P, PERIOD)
-    return sinking
+        overload = watched(overload, u, rates, volts, P, PERIOD)
+    return overload
 
 
 @pytest.mark.parametrize(("joint", "name"), list(enumerate(("swing", "boom", "stick"))))

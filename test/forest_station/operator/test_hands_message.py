@@ -6,7 +6,7 @@ import struct
 
 import pytest
 
-from forest_station.operator.hands import Hands, HandsError, decode_hands, encode_hands
+from forest_station.operator.hands_message import Hands, HandsError, decode_hands, encode_hands
 
 BYTES, AXES, BUTTONS = 48, 6, 21
 AXIS_AT, BUTTONS_AT, TIME_AT = 16, 40, 8

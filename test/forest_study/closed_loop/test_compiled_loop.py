@@ -22,7 +22,7 @@ from forest_sim.equations.plant_parameters import plant_parameters
 from forest_sim.sensors.sensor_faults import parse_faults
 from forest_sim.sensors.sensor_suite import sensor_suite
 from forest_sim.simulation.load import Load, loaded
-from forest_study.closed_loop import closed_loop, loop_core, loop_kernel
+from forest_study.closed_loop import closed_loop, compiled_loop, loop_core, loop_kernel
 from forest_study.closed_loop.closed_loop import Operator
 
 C180 = load_machine("c180_hoses")
@@ -51,7 +51,7 @@ def interpreted(table, machine, settings, drive, model, suite):
 
 def assert_same(settings, drive, machine=C180, model=C180, seed=0):
     suite, table = sensor_suite(machine, noise=True, seed=seed), hand(seed)
-    fast = loop_kernel.run(machine, table, START, settings, drive, model, suite)
+    fast = compiled_loop.run(machine, table, START, settings, drive, model, suite)
     python = interpreted(table, machine, settings, drive, model, suite)
     for name, a, b in zip(fast._fields, fast, python, strict=True):
         np.testing.assert_array_equal(a, b, err_msg=name)
@@ -89,9 +89,12 @@ def test_so_is_another_machine_than_believed_with_slow_sensors_and_none():
 def test_the_core_interpreted_is_the_core_compiled():
     suite, table = sensor_suite(C180, noise=True, seed=4), hand(4)[20:32]
     settings, drive = controller_settings.Settings(), valve_driver_parameters.Settings()
-    fast = loop_kernel.run(C180, table, START, settings, drive, suite=suite)
+    fast = compiled_loop.run(C180, table, START, settings, drive, suite=suite)
     k = loop_kernel.knowledge(C180, C180, settings, drive, suite)
-    loop, normals = loop_kernel.begin(k, START, suite), loop_kernel.draws(suite, len(table)).ravel().tolist()
+    loop, normals = (
+        loop_kernel.begin(k, START, suite),
+        compiled_loop.draws(suite, len(table)).ravel().tolist(),
+    )
     for row, (*levers, enabled) in enumerate(table.tolist()):
         loop, happened = loop_core.period(loop, Levers(*levers), enabled > 0.5, True, k, normals, row)
         assert happened.command == tuple(fast.commands[row])
@@ -102,7 +105,7 @@ def test_the_core_interpreted_is_the_core_compiled():
 def test_a_log_that_is_grasped_and_dropped_on_the_way_is_the_interpreted_loops():
     suite, table, plant = sensor_suite(C180, noise=True, seed=5), hand(5), plant_parameters(C180)
     held = loaded(plant, C180.manipulator, Load(900.0))
-    moved = loop_kernel.prepared(C180, table, START, *USUAL, suite=suite).run({90: held, 170: plant})
+    moved = compiled_loop.prepared(C180, table, START, *USUAL, suite=suite).run({90: held, 170: plant})
     k = loop_kernel.knowledge(C180, C180, *USUAL, suite)
     loop = closed_loop.ClosedLoop(plant, k.control, k.drive, START, suite)
     for row, (*levers, enabled) in enumerate(table.tolist()):
@@ -132,26 +135,26 @@ def test_all_machines_and_settings_share_one_shape():
 
 def test_equal_seeds_repeat_and_others_do_not():
     suites = [sensor_suite(C180, noise=True, seed=seed) for seed in (1, 1, 2)]
-    tips = [loop_kernel.run(C180, hand(), START, *USUAL, suite=suite).tip for suite in suites]
+    tips = [compiled_loop.run(C180, hand(), START, *USUAL, suite=suite).tip for suite in suites]
     assert [np.array_equal(a, b) for a, b in pairwise(tips)] == [True, False]
 
 
 def test_faulty_sensors_are_refused():
     suite = sensor_suite(C180, faults=parse_faults("boom_resolver: absent from 2 s"))
     with pytest.raises(ValueError, match="faults are not compiled"):
-        loop_kernel.run(C180, hand(), START, *USUAL, suite=suite)
+        compiled_loop.run(C180, hand(), START, *USUAL, suite=suite)
 
 
 def test_levers_without_a_deadman_are_refused():
     with pytest.raises(ValueError, match=r"shape \(240, 3\); allowed: a row of 4"):
-        loop_kernel.run(C180, hand()[:, :3], START, *USUAL)
+        compiled_loop.run(C180, hand()[:, :3], START, *USUAL)
 
 
 def test_a_session_in_pieces_is_the_session_at_once():
     """To the last bit, a log grasped on the way."""
-    whole = loop_kernel.prepared(C180, hand(), START, *USUAL)
+    whole = compiled_loop.prepared(C180, hand(), START, *USUAL)
     plant = loaded(plant_parameters(C180), C180.manipulator, Load(200.0))
-    session = loop_kernel.Session(whole)
+    session = compiled_loop.Session(whole)
     for end in (3, 100):
         session.advance(end)
     session.change_load(plant)

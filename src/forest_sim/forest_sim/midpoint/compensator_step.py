@@ -14,11 +14,11 @@ from forest_description.hydraulics.valve_characteristic import edges
 from forest_description.types import Vec3
 from forest_sim.equations.plant import AxisState, PlantState
 from forest_sim.equations.plant_parameters import Axis, PlantParameters, SpoolValve
-from forest_sim.half_step.load_sensing import open_halves
 from forest_sim.hydraulics.compensator import NONE, balance, opening_after
 from forest_sim.hydraulics.load_holding import AllLifts, Lifts
 from forest_sim.hydraulics.oil_volume import hose_drop
 from forest_sim.hydraulics.spool_dynamics import Spools
+from forest_sim.midpoint.load_sensing import open_halves
 
 
 class Metering(NamedTuple):

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from forest_bag.read.timeseries import Bag, read_bag
 from forest_description.types import AXES, Floats
 from forest_ident.diagnosis.monitor_parameters import MonitorParameters
-from forest_ident.diagnosis.readings import Learnt, Readings, Way
+from forest_ident.diagnosis.monitor_readings import Learnt, Readings, Way
 from forest_ident.measurements.session import SessionError
 from forest_msgs_py.interfaces.topics import (
     ACTUATOR_STATES,

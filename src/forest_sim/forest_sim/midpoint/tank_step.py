@@ -24,7 +24,7 @@ from forest_sim.hydraulics.oil_volume import content
 from forest_sim.hydraulics.port import Port, edge_flows, is_shut, port_pressure
 from forest_sim.hydraulics.side import Side, side_rates
 from forest_sim.hydraulics.spool_dynamics import Spools
-from forest_sim.hydraulics.tank_line import TankState, pressure_amid
+from forest_sim.hydraulics.tank_line import TankState, pressure_at_midpoint
 
 
 class Returned(NamedTuple):
@@ -34,7 +34,7 @@ class Returned(NamedTuple):
     yielding: float  # -dQ/dP_t of port valves over a step [m^3/(s Pa)]
 
 
-def tank_amid(
+def tank_at_midpoint(
     plant: PlantState, spools: Spools, lifts: AllLifts, tank: TankState, h: float, p: PlantParameters
 ) -> TankState:
     """Return the tank line with P_t in the middle of a step of h [s]; not inlined."""
@@ -46,7 +46,7 @@ def tank_amid(
     stick = _returned(plant.stick, t_3, ports[2], supply, p.stick, p.guard, half)
     flow = swing.flow + boom.flow + stick.flow
     yielding = swing.yielding + boom.yielding + stick.yielding
-    return TankState(tank.pressure, pressure_amid(tank, flow, yielding, h, p.tank_line), tank.owed)
+    return TankState(tank.pressure, pressure_at_midpoint(tank, flow, yielding, h, p.tank_line), tank.owed)
 
 
 def returned_flow(plant: PlantState, ports: tuple[Ports, Ports, Ports], p: PlantParameters) -> float:

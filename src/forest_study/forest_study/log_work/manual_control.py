@@ -1,4 +1,4 @@
-"""What an operator's hands do: three levers, towards where the grip should be.
+"""Manual control of three levers by a simulated operator, towards where the grip should be.
 
 | mode | a lever moves | what is left is seen as |
 |---|---|---|
@@ -35,8 +35,8 @@ WORST = 0.6  # [1] of E: beyond, a lever might be pushed the wrong way for good
 NONE = 0.02  # [1] of a deflection that does nothing, and that the hand leaves out: a lever's play
 
 
-class Hands:
-    """An operator's hands, a look at a time.
+class ManualControl:
+    """An operator at the levers, a look at a time.
 
     Args:
         person: what the operator is like.

@@ -32,7 +32,7 @@ ANSWERS = 0.1  # [1] of u, at which a joint owes no more
 STARTS = 0.3  # [s] a joint may owe more at a step of its lever: spool and oil take so long, at any rate
 
 
-class Sinking(NamedTuple):
+class Overload(NamedTuple):
     """Of swing, boom, stick, since each last went with its valve, or had it shut."""
 
     ways: Vec3 = ZERO  # [rad]
@@ -42,7 +42,7 @@ class Sinking(NamedTuple):
     gone: Vec3 = ZERO  # v, low-passed [rad/s]
 
 
-def asked(angles: Vec3, command: Vec3, p: Parameters) -> Vec3:
+def commanded_rates(angles: Vec3, command: Vec3, p: Parameters) -> Vec3:
     """Return the joint rates u [rad/s] that a command of ideal valves [V] asks for at joint angles [rad]."""
     speeds = (
         command[0] * p.rated_speeds[0] / p.rated_voltages[0],
@@ -58,7 +58,7 @@ def opens(voltage: float, i: int, p: Parameters) -> bool:
     return -law.backward.deadband_voltage > voltage or voltage > law.forward.deadband_voltage
 
 
-def watched(before: Sinking, u: Vec3, rates: Vec3, voltages: Vec3, p: Parameters, dt: float) -> Sinking:
+def watched(before: Overload, u: Vec3, rates: Vec3, voltages: Vec3, p: Parameters, dt: float) -> Overload:
     """Return what joints have gone against their valves, or not with them, after a sample.
 
     Args:
@@ -88,17 +88,17 @@ def watched(before: Sinking, u: Vec3, rates: Vec3, voltages: Vec3, p: Parameters
     way_1, time_1 = _gone_back(before, rates, voltages, 0, p, dt)
     way_2, time_2 = _gone_back(before, rates, voltages, 1, p, dt)
     way_3, time_3 = _gone_back(before, rates, voltages, 2, p, dt)
-    return Sinking((way_1, way_2, way_3), (time_1, time_2, time_3), owed, since, gone)
+    return Overload((way_1, way_2, way_3), (time_1, time_2, time_3), owed, since, gone)
 
 
-def _owed(before: Sinking, u: Vec3, gone: Vec3, voltages: Vec3, i: int, p: Parameters, dt: float) -> float:
+def _owed(before: Overload, u: Vec3, gone: Vec3, voltages: Vec3, i: int, p: Parameters, dt: float) -> float:
     """Return what one joint has not gone with its open valve [rad], never less than zero."""
     if not opens(voltages[i], i, p) or voltages[i] * u[i] <= 0.0:
         return 0.0
     return max(0.0, before.owed[i] + (abs(u[i]) - abs(gone[i]) / ANSWERS) * dt)
 
 
-def _later(before: Sinking, owed: Vec3, i: int, p: Parameters, dt: float) -> float:
+def _later(before: Overload, owed: Vec3, i: int, p: Parameters, dt: float) -> float:
     """Return how long one joint has owed something [s], from below zero for its spool's lag."""
     if owed[i] <= 0.0:
         return 0.0
@@ -107,7 +107,7 @@ def _later(before: Sinking, owed: Vec3, i: int, p: Parameters, dt: float) -> flo
 
 
 def _gone_back(
-    before: Sinking, rates: Vec3, voltages: Vec3, i: int, p: Parameters, dt: float
+    before: Overload, rates: Vec3, voltages: Vec3, i: int, p: Parameters, dt: float
 ) -> tuple[float, float]:
     """Return way [rad] and time [s] that one joint has gone against its valve."""
     axis = p.speed_limits.axes[i]
@@ -121,30 +121,30 @@ def _gone_back(
     return before.ways[i] + abs(rates[i]) * dt, time + dt
 
 
-def is_overloaded(sinking: Sinking) -> bool:
+def is_overloaded(overload: Overload) -> bool:
     """Tell whether a joint goes back or stands; `objection` says which."""
-    return _refuses(sinking, 0) or _refuses(sinking, 1) or _refuses(sinking, 2)
+    return _refuses(overload, 0) or _refuses(overload, 1) or _refuses(overload, 2)
 
 
-def _refuses(sinking: Sinking, i: int) -> bool:
-    return sinks(sinking, i) or (sinking.owed[i] > OWED and sinking.since[i] > STARTS)
+def _refuses(overload: Overload, i: int) -> bool:
+    return goes_back(overload, i) or (overload.owed[i] > OWED and overload.since[i] > STARTS)
 
 
-def sinks(sinking: Sinking, i: int) -> bool:
+def goes_back(overload: Overload, i: int) -> bool:
     """Tell whether one joint is driven back."""
-    return sinking.ways[i] > WAY and sinking.times[i] > LONG[i]
+    return overload.ways[i] > WAY and overload.times[i] > LONG[i]
 
 
-def objection(sinking: Sinking) -> str:
+def objection(overload: Overload) -> str:
     """Return which joint its load drives back or holds, or ""."""
     for i, name in enumerate(AXES):
-        if sinks(sinking, i):
-            way, time = sinking.ways[i], sinking.times[i]
+        if goes_back(overload, i):
+            way, time = overload.ways[i], overload.times[i]
             return (
                 f"overload: {name} went back by {way:.3f} rad in {time:.2f} s though its valve is open;"
                 f" allowed: put the load down, or draw it in"
             )
-        if _refuses(sinking, i):
+        if _refuses(overload, i):
             return (
                 f"overload: {name} stands though its valve is open; allowed: free it, put the load down, or"
                 f" check oil, the valves' cable and parameter machine"

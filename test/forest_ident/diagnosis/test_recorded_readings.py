@@ -10,7 +10,7 @@ pytest.importorskip("rclpy")
 
 from forest_bag.read.timeseries import Series, bag_of
 from forest_description.types import AXES
-from forest_ident.diagnosis import recorded
+from forest_ident.diagnosis import recorded_readings
 from forest_ident.measurements.session import SessionError
 from forest_msgs_py.interfaces import topics
 
@@ -39,8 +39,8 @@ def read(monkeypatch):
     """The samples of a bag made of topics and their series."""
 
     def samples(*parts):
-        monkeypatch.setattr(recorded, "read_bag", lambda _: bag_of(dict(parts)))
-        return list(recorded.samples(Path("bag")))
+        monkeypatch.setattr(recorded_readings, "read_bag", lambda _: bag_of(dict(parts)))
+        return list(recorded_readings.samples(Path("bag")))
 
     return samples
 

@@ -9,17 +9,17 @@ from typing import NamedTuple
 from forest_sim.equations.plant import PlantState
 from forest_sim.equations.plant_parameters import PlantParameters
 from forest_sim.equations.valve_ports import holds_loads, is_compensated
-from forest_sim.half_step.compensator_step import openings_after
-from forest_sim.half_step.holding_step import lifts_after
-from forest_sim.half_step.pushed_spools import feels_jets, pushed
-from forest_sim.half_step.tank_step import tank_amid
 from forest_sim.hydraulics.flow_force import NO_JETS, AllJets
 from forest_sim.hydraulics.load_holding import NO_LIFTS, AllLifts
 from forest_sim.hydraulics.spool_dynamics import Spools
 from forest_sim.hydraulics.tank_line import DRAINED, TankState
+from forest_sim.midpoint.compensator_step import openings_after
+from forest_sim.midpoint.holding_step import lifts_after
+from forest_sim.midpoint.pushed_spools import feels_jets, pushed
+from forest_sim.midpoint.tank_step import tank_at_midpoint
 
 
-class Amid(NamedTuple):
+class MidpointState(NamedTuple):
     """A machine's parts that are known half a step from its states."""
 
     lifts: AllLifts  # of load-holding valves and compensators
@@ -27,34 +27,38 @@ class Amid(NamedTuple):
     tank: TankState
 
 
-NOTHING_AMID = Amid(NO_LIFTS, NO_JETS, DRAINED)
+NO_MIDPOINT = MidpointState(NO_LIFTS, NO_JETS, DRAINED)
 
 
-def with_jets(amid: Amid, plant: PlantState, spools: Spools, p: PlantParameters) -> Amid:
+def with_jets(
+    midpoint: MidpointState, plant: PlantState, spools: Spools, p: PlantParameters
+) -> MidpointState:
     """Return what was known a step ago, but for the flow forces in the middle of this one."""
     if not feels_jets(p):
-        return amid
-    return Amid(amid.lifts, pushed(plant, spools, amid.jets, amid.tank.seen, p), amid.tank)
+        return midpoint
+    return MidpointState(
+        midpoint.lifts, pushed(plant, spools, midpoint.jets, midpoint.tank.seen, p), midpoint.tank
+    )
 
 
-def amid_after(
-    amid: Amid, plant: PlantState, spools: Spools, end: Spools, h: float, p: PlantParameters
-) -> Amid:
+def midpoint_after(
+    midpoint: MidpointState, plant: PlantState, spools: Spools, end: Spools, h: float, p: PlantParameters
+) -> MidpointState:
     """Return what is known of the middle of a step of h [s].
 
     Args:
-        amid: of the step before; with this step's flow forces.
+        midpoint: of the step before; with this step's flow forces.
         plant: the states with which it begins.
         spools: with which it begins.
         end: the spools at its end.
         h: its length [s].
         p: the machine.
     """
-    lifts, tank = amid.lifts, amid.tank
+    lifts, tank = midpoint.lifts, midpoint.tank
     if holds_loads(p):
         lifts = lifts_after(plant, lifts, spools, tank.seen, h, p)
     if is_compensated(p):
         lifts = openings_after(plant, lifts, spools, end, h, p)
     if p.tank_line.capacitance > 0.0:
-        tank = tank_amid(plant, spools, lifts, tank, h, p)
-    return Amid(lifts, amid.jets, tank)
+        tank = tank_at_midpoint(plant, spools, lifts, tank, h, p)
+    return MidpointState(lifts, midpoint.jets, tank)

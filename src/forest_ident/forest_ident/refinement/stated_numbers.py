@@ -1,10 +1,10 @@
 """What a person tells of a crane, with its uncertainty: masses, centres of mass, geometry, areas.
 
 No record measures these numbers alone, and none is estimated. Each fit tells how its parameters would move
-with each of them (`fit_problem.told_effect`), and the Gaussian estimate carries these moves T from record to
+with each of them (`fit_problem.stated_effect`). The Gaussian estimate carries these moves T from record to
 record. So an interval holds what wrong numbers would have made of it:
 
-    variance of a parameter = S_pp + sum over the told numbers of T_p^2
+    variance of a parameter = S_pp + sum over the stated numbers of T_p^2
 
 The uncertainty is the machine file's (`uncertainty`), else the one below. All are halves of 95 % intervals.
 
@@ -55,7 +55,7 @@ INERTIA = 0.2  # of boom's and stick's: half of the 95 % interval
 
 
 def errors(machine: Machine, stated: Mapping[str, float]) -> dict[str, float]:
-    """Return the standard deviation of every told number, in its unit, by dotted key.
+    """Return the standard deviation of every stated number, in its unit, by dotted key.
 
     Args:
         machine: the start.
@@ -77,13 +77,13 @@ def _half(machine: Machine, key: str, stated: Mapping[str, float]) -> float:
     return stated.get(key, default.value * (abs(value) if default.relative else 1.0))
 
 
-def with_told(e: Estimate, known: GaussianEstimate, names: Sequence[str]) -> Estimate:
-    """Return an estimate with what told numbers add to its error, their share, and which adds most.
+def with_stated(e: Estimate, known: GaussianEstimate, names: Sequence[str]) -> Estimate:
+    """Return an estimate with what stated numbers add to its error, their share, and which adds most.
 
     Args:
         e: whose error is that of the records.
         known: estimate of all.
-        names: of the told numbers, in the order of the slopes.
+        names: of the stated numbers, in the order of the slopes.
     """
     moves = known.moves((e.key,), len(names))[0] * (e.value if e.positive else 1.0)
     added, own = float(moves @ moves), e.standard_error**2
@@ -91,5 +91,5 @@ def with_told(e: Estimate, known: GaussianEstimate, names: Sequence[str]) -> Est
         return e
     share = added / (added + own)
     return e._replace(
-        standard_error=math.sqrt(added + own), told=share, most=names[int(np.argmax(np.abs(moves)))]
+        standard_error=math.sqrt(added + own), stated=share, most=names[int(np.argmax(np.abs(moves)))]
     )

@@ -7,7 +7,7 @@ from forest_description.geometry.linkage import Linkage
 from forest_description.hydraulics.valve_characteristic import ValveLaw
 from forest_description.machine import Machine
 from forest_description.mechanics.drives import SwingDrive
-from forest_ident.diagnosis.readings import CHANNELS
+from forest_ident.diagnosis.monitor_readings import CHANNELS
 from forest_sim.equations.plant_parameters import PlantParameters, plant_parameters
 from forest_sim.hydraulics.load_holding import NONE
 from forest_sim.hydraulics.oil_volume import OilVolume

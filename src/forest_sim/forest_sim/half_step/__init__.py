@@ -1,1 +1,0 @@
-"""What a step knows of its middle: poppets, compensators, flow forces, the tank line."""

@@ -1,0 +1,1 @@
+"""What is known at the midpoint of a time step: poppets, compensators, flow forces, the tank line."""
