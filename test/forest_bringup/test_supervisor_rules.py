@@ -581,7 +581,7 @@ def test_a_node_that_hangs_is_killed_also_where_ros_does_not_start(graph_of, dia
     assert graph.exit_codes == {"simulator": -signal.SIGABRT}
 
 
-@given(code=st.integers(-64, 255), needed=st.booleans())
+@given(code=st.integers(-64, 255) | st.sampled_from((COULD_NOT_START, 0, 1)), needed=st.booleans())
 def test_however_a_node_ends_the_valves_go_to_zero_unless_it_is_not_needed(code, needed, clock, tmp_path):
     graph, zeros = Supervisor([], "/crane", tmp_path), []
     graph._publish_zero = lambda: zeros.append(clock.now)

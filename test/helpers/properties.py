@@ -6,6 +6,8 @@ happen to be loaded is mixed in.
 
 from __future__ import annotations
 
+import math
+
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -32,7 +34,7 @@ settings.register_profile(
 settings.load_profile("suite")
 
 FINITE = st.floats(allow_nan=False, allow_infinity=False)
-ANY = st.floats()  # NaN, infinite and the smallest, too
+ANY = st.floats() | st.sampled_from((math.nan, math.inf, -math.inf))
 WORDS = st.text(alphabet=" \t\n'\"#:-[]{}&*!|>%@`,.;0aZé²\u2028\U0001f332\0", max_size=12)
 
 

@@ -89,4 +89,4 @@ def test_in_any_pose_sides_mirror_a_turn_turns_them_and_a_load_beyond_a_line_tak
     more = tip_over_margins(CHASSIS, M, angles, log + 100.0)
     lines = CHASSIS.ahead, CHASSIS.half_width, CHASSIS.behind, CHASSIS.half_width
     for before, after, out, line in zip(margins, more, (x, y, -x, -y), lines, strict=True):
-        assert (after < before) == (out > line) or math.isclose(after, before, abs_tol=1e-9)
+        assert after < before if out > line + 0.01 else after >= before - 1e-12 or out > line
