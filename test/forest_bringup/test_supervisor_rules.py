@@ -7,11 +7,14 @@ import contextlib
 import os
 import signal
 
+import properties  # noqa: F401  hypothesis by the suite's settings
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from forest_bringup import supervisor
 from forest_bringup.graph_lock import AlreadyRunning, GraphError
-from forest_bringup.supervisor import NodeSpec, Stopped, Supervisor
+from forest_bringup.supervisor import COULD_NOT_START, NodeSpec, Stopped, Supervisor
 
 # Started as `-m NAME --ros-args -r __ns:=... WORDS...`; tells what happens to it in a diary.
 NODE = """
@@ -576,3 +579,18 @@ def test_a_node_that_hangs_is_killed_also_where_ros_does_not_start(graph_of, dia
     with pytest.raises(GraphError, match="ROS does not start"), graph:
         pytest.fail("entered")
     assert graph.exit_codes == {"simulator": -signal.SIGABRT}
+
+
+@given(code=st.integers(-64, 255) | st.sampled_from((COULD_NOT_START, 0, 1)), needed=st.booleans())
+def test_however_a_node_ends_the_valves_go_to_zero_unless_it_is_not_needed(code, needed, clock, tmp_path):
+    graph, zeros = Supervisor([], "/crane", tmp_path), []
+    graph._publish_zero = lambda: zeros.append(clock.now)
+    (tmp_path / "log").touch()
+    process = supervisor._Process(NodeSpec("arm", "arm", needed=needed), None, tmp_path / "log", None)
+    if needed or code == COULD_NOT_START:
+        with pytest.raises(GraphError, match=r"^arm (was killed by|ended with exit code) \w+"):
+            graph._handle_exit(process, code)
+        assert zeros[-1] - zeros[0] > 0.5
+    else:
+        graph._handle_exit(process, code)
+        assert zeros == []

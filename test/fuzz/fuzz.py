@@ -12,7 +12,8 @@ from pathlib import Path
 import atheris
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "helpers"))
-with atheris.instrument_imports(include=["forest_bag", "forest_msgs_py", "forest_control", "forest_station"]):
+FOREST = ("bag", "control", "description", "ident", "msgs_py", "sim", "station", "study")
+with atheris.instrument_imports(include=[f"forest_{package}" for package in FOREST]):
     import fuzz_targets as targets
 
 LIMITS = "-timeout=60", "-rss_limit_mb=1024"  # a hang ends by the clock; a second of processor in `run`

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import argparse
 import contextlib
 import functools
 import math
@@ -22,18 +23,27 @@ from forest_control.config.joystick_file import load_devices
 from forest_control.config.profile_file import load_profile
 from forest_control.config.setting_file import SettingFileError
 from forest_control.config.workspace_file import load_workspace
+from forest_control.operator.joystick_fault_injection import parse_joystick_faults
 from forest_control.operator.joystick_sources import LeverError, read_levers
 from forest_control.taught.cycle_file import load_cycle
 from forest_description.config.parameter import MachineError
 from forest_description.machine import load_machine
+from forest_ident.measurements import session_bag
+from forest_ident.measurements.session import SessionError
 from forest_msgs_py.interfaces import messages, topics
 from forest_msgs_py.interfaces.topic_qos import offered_qos
+from forest_msgs_py.runtime.command_line import number, whole
 from forest_msgs_py.serialization.cdr import CdrError, cdr_type, to_cdr
 from forest_msgs_py.serialization.packing import pack_joy
 from forest_msgs_py.serialization.unpacking import ArrayReader, JointReader, read_joy_data
+from forest_sim.sensors.sensor_faults import parse_faults
+from forest_sim.simulation.disturbance import parse_stuck_spools
+from forest_sim.simulation.load import parse_loads
 from forest_sim.simulation.voltage_profiles import InputError, read_voltages
 from forest_station.operator.hands_message import Hands, HandsError, decode_hands, encode_hands
 from forest_station.server.requests import read_request
+from forest_study.results import StudyError
+from forest_study.sweep.study import read_study
 
 LONGEST = 1.0  # [s] of processor for an input
 ROOT = Path(__file__).resolve().parents[2]
@@ -62,11 +72,11 @@ def shipped(package: str, folder: str) -> list[bytes]:
 
 
 @functools.cache
-def small_bag() -> dict[str, bytes]:
+def small_bag(storage: str = "mcap") -> dict[str, bytes]:
     """Return the files of a bag of a few messages."""
     with tempfile.TemporaryDirectory() as folder:
-        topic = topics.VALVE_COMMANDS
-        with contextlib.closing(BagWriter(Path(folder) / "bag", Layout("none", chunk_bytes=200))) as writer:
+        topic, layout = topics.VALVE_COMMANDS, Layout("none", chunk_bytes=200, storage=storage)
+        with contextlib.closing(BagWriter(Path(folder) / "bag", layout)) as writer:
             writer.add_topic("/valve_commands", topic.type, [offered_qos(topic)], "")
             for k in range(3):
                 data = to_cdr(messages.float_array(topic, k, (1.0, 2.0, 3.0)))
@@ -108,6 +118,23 @@ def any_message(data: bytes) -> None:
             cdr_type(kind).decode(data)
 
 
+def command_words(data: bytes) -> None:
+    """Read a text as what people type at commands: each parser returns, or says what is allowed."""
+    text = data.decode("utf-8", "replace")
+    for parse in WORDS:
+        refusal = refused(parse, text)
+        assert refusal is None or "allowed: " in refusal or "there are " in refusal, refusal
+
+
+def refused(parse: Callable[[str], Any], text: str) -> str | None:
+    """Return what is wrong with a text, or None."""
+    try:
+        parse(text)
+    except (ValueError, argparse.ArgumentTypeError) as error:
+        return str(error)
+    return None
+
+
 def said() -> list[bytes]:
     """Return a message of each kind that nodes read."""
     joint = messages.joint_state(topics.JOINTS, 5, (0.1, 0.2, 0.3), (0.0, 0.1, 0.2), (1.0, 2.0, 3.0))
@@ -124,6 +151,34 @@ def texts(*lines: str) -> Callable[[], list[bytes]]:
     return lambda: [line.encode() for line in lines]
 
 
+WORDS: tuple[Callable[[str], Any], ...] = (
+    *(parse_loads, parse_faults, parse_joystick_faults, parse_stuck_spools),
+    *(whole(1, 9), number(0.0, 9.0, "s")),
+)
+STUDY = """kind: track
+with: {machine: c180_hoses, noise: false}
+vary:
+  path: [sweep, radial]
+  plant.manipulator.platform_tilt: {low: -5, high: 5, unit: deg}
+  control.feedback_gain.boom: {low: 1, high: 4}
+design: sobol
+points: 8
+seeds: 3
+"""
+MAPPING = """devices:
+  left:
+    name: "Maker's*"
+    axes: {left_x: -ABS_X, left_y: ABS_Y, right_y: ABS_RY}
+    buttons: {left_shoulder: BTN_TL, dpad_up: [-ABS_HAT0Y, BTN_DPAD_UP]}
+    range: {ABS_X: [60, 512, 960]}
+"""
+CYCLE = """description: two
+segments:
+  - {name: go, pose: [5, 0, 1], speed: 0.3}
+  - {path: [[5, 0, 1], [6, 0, 1]]}
+  - {grapple: open, wait: 1}
+"""
+FACTS = "experiment: gravity\nfacts: {hose_length: {value: 3.0, unit: m}, laminar: {value: 1, unit: '1'}}\n"
 LEVERS = "time_s,swing,boom,stick\n0,0,0,0\n1,0.5,-1,1\n"
 VOLTS = "time,swing,boom,stick\n0,-4,4,4\n60,0,0,0\n"
 HANDS = Hands(True, 1, 0.1, (0.0,) * 6, 1, 1)
@@ -141,7 +196,7 @@ TARGETS = {
         partial(as_file, "x_0.mcap", recovered), (BagError, OSError), lambda: [small_bag()[".mcap"]]
     ),
     "sqlite": Target(
-        partial(as_file, "x_0.db3", BagReader), (BagError, OSError), lambda: [b"SQLite format 3\0"]
+        partial(as_file, "x_0.db3", read_bag), (BagError, OSError), lambda: [small_bag("sqlite3")[".db3"]]
     ),
     "metadata": Target(read_metadata, (BagError, OSError), lambda: [small_bag()[".yaml"]]),
     "machine": Target(
@@ -152,7 +207,7 @@ TARGETS = {
     "profile": Target(
         partial(as_file, "p.yaml", lambda path: load_profile(str(path))),
         OF_SETTINGS,
-        lambda: shipped("forest_control", "profiles"),
+        lambda: [*shipped("forest_control", "profiles"), b"mode: rate\nexpo: 0.4\ndeadzone: [0, 0.1, 0.2]\n"],
     ),
     "workspace": Target(
         partial(as_file, "w.yaml", lambda path: load_workspace(str(path))),
@@ -162,12 +217,25 @@ TARGETS = {
     "joysticks": Target(
         partial(as_file, "j.yaml", lambda path: load_devices(str(path), 9)),
         OF_SETTINGS,
-        lambda: shipped("forest_control", "joysticks"),
+        lambda: [*shipped("forest_control", "joysticks"), MAPPING.encode()],
     ),
     "cycle": Target(
         partial(as_file, "c.yaml", lambda path: load_cycle("c", path.parent)),
         OF_SETTINGS,
-        lambda: shipped("forest_control", "cycles"),
+        lambda: [*shipped("forest_control", "cycles"), CYCLE.encode()],
+    ),
+    "study": Target(partial(as_file, "s.yaml", read_study), (StudyError,), texts(STUDY)),
+    "experiment": Target(
+        partial(as_file, session_bag.FILE, lambda path: session_bag._experiment(path.parent)),
+        (SessionError,),
+        texts(FACTS),
+    ),
+    "words": Target(
+        command_words,
+        (),
+        texts(
+            "500 kg from 1 s; 0 kg from 2e1 s", "boom_resolver: bias 2 deg from 1 s", "release", "boom", "7"
+        ),
     ),
     "levers": Target(partial(as_file, "l.csv", read_levers), (LeverError,), texts(LEVERS)),
     "voltages": Target(partial(as_file, "v.csv", read_voltages), (InputError,), texts(VOLTS)),

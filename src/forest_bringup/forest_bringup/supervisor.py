@@ -306,12 +306,18 @@ class Supervisor:
 
 def _exit_report(process: _Process, code: int) -> str:
     """Which node ended, how, and what it said last."""
-    reason = f"was killed by {signal.Signals(-code).name}" if code < 0 else f"ended with exit code {code}"
+    reason = f"was killed by {_signal_name(-code)}" if code < 0 else f"ended with exit code {code}"
     if code in (-signal.SIGABRT, -signal.SIGSEGV):
         return f"{process.spec.name} {reason}; where it was is at the end of {process.log}"
     log = process.log.read_text(encoding="utf-8", errors="replace").strip().splitlines()
     last = [line for line in log if "[INFO]" not in line][-1:]
     return f"{process.spec.name} {reason}" + (f": {last[0].strip()}" if last else "")
+
+
+def _signal_name(number: int) -> str:
+    """Return the name of a signal; most of the real-time ones have none."""
+    known = number in set(signal.Signals)
+    return signal.Signals(number).name if known else f"signal {number}"
 
 
 def _wait_or_kill(popen: "subprocess.Popen[bytes]") -> bool:

@@ -7,6 +7,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from properties import vectors
 from scipy.optimize import brentq
 
 from forest_control.limits.velocity_scaling import (
@@ -92,14 +95,22 @@ def test_moving_away_from_a_limit_is_never_slowed(joint, beyond):
         assert velocity_scaling(tuple(q), tuple(wished), P) == VelocityScaling(0.0, Limit.JOINT)
 
 
-def test_backing_out_is_possible_from_everywhere():
-    rng = np.random.default_rng(4)
-    for _ in range(2000):
-        q = random_angles(rng, beyond=0.5)
-        back = tuple(float(rate) for rate in rng.uniform(0.1, 3.0) * np.sign(np.subtract(MIDDLE, q)))
-        governed = velocity_scaling(q, back, P)
-        assert governed.factor == min(1.0, min(P.rates[i] / abs(back[i]) for i in range(3)))
-        assert governed.limit is not Limit.JOINT
+@given(vectors(-3.0, 3.0), st.floats(0.1, 3.0))
+def test_backing_out_is_possible_from_everywhere(q, speed):
+    back = tuple(math.copysign(speed, middle - x) for x, middle in zip(q, MIDDLE, strict=True))
+    governed = velocity_scaling(q, back, P)
+    assert governed.factor == min(1.0, min(P.rates[i] / speed for i in range(3)))
+    assert governed.limit is not Limit.JOINT
+
+
+@given(vectors(-3.0, 3.0), vectors(-2.0, 2.0))
+def test_from_everywhere_no_joint_is_faster_than_it_may_be_towards_a_limit_nor_than_its_rate(q, wished):
+    factor = velocity_scaling(q, wished, P).factor
+    assert 0.0 <= factor <= 1.0
+    for i in range(3):
+        room = P.upper[i] - q[i] if wished[i] > 0.0 else q[i] - P.lower[i]
+        allowed = max(NEGLIGIBLE, min(P.rates[i], P.approach[i] * room))
+        assert factor * abs(wished[i]) <= (1.0 + 1e-12) * allowed
 
 
 def test_rounding_towards_a_limit_does_not_stop_the_others():

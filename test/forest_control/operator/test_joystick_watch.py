@@ -1,9 +1,12 @@
 """Claims about the joystick's watch: what is lost, frozen or deflected from the start moves nothing."""
 
 import itertools
+import math
 
-import numpy as np
 import pytest
+from hypothesis import strategies as st
+from hypothesis.stateful import RuleBasedStateMachine, rule
+from properties import holds
 
 from forest_control.operator.joystick_watch import (
     NO_HEARTBEAT,
@@ -35,7 +38,11 @@ class OperatorProfile:
         self.operator = None
 
     def say(self, levers, held=True, **changes):
-        """One period on, a sample comes."""
+        """One period on, a sample comes, and is judged."""
+        self.hear(levers, held, **changes)
+        return self.look()
+
+    def hear(self, levers, held=True, **changes):
         self.now += PERIOD
         content = (levers, held)
         sample = Sample(
@@ -43,7 +50,6 @@ class OperatorProfile:
         )
         self.before = content
         self.watch = updated_watch(self.watch, sample._replace(**changes))
-        return self.look()
 
     def look(self, wait=0.0, allowed=True):
         self.now += wait
@@ -244,27 +250,47 @@ def test_a_reset_needs_the_deadman_released_and_levers_centred_as_the_last_words
     assert not is_released(hand.watch, P.centre)
 
 
+class Watched(RuleBasedStateMachine):
+    """What comes in any order, against a plain statement of the rule."""
+
+    def __init__(self):
+        super().__init__()
+        self.hand = OperatorProfile()
+        self.held = self.alive = self.centred = False
+        self.levers, self.fresh, self.stamp = CENTRED, -math.inf, 0
+
+    @rule(
+        levers=st.just(CENTRED) | st.builds(Levers, *[st.floats(-1.0, 1.0)] * 3),
+        held=st.sampled_from((True, True, True, False)),
+        late=st.sampled_from((0, 0, 0, 0, 1, 7)),
+        good=st.sampled_from((True, True, True, True, False)),
+    )
+    def a_sample_comes(self, levers, held, late, good):
+        newer = self.hand.watch.stamp if late else round((self.hand.now + PERIOD) * 1e9) - 1
+        stamp = newer + 1 - late
+        self.hand.hear(levers, held, stamp=stamp, good=good)
+        if not good:
+            self.held = self.alive = False
+            self.fresh = self.hand.now
+        elif stamp == self.stamp or (stamp < self.stamp and self.alive):
+            self.held = self.held and held
+        else:
+            self.held, self.alive, self.levers = held, True, levers
+            self.fresh, self.stamp = self.hand.now, stamp
+        self.centred = self.centred and self.held
+
+    @rule(wait=st.sampled_from((0.0, 0.0, 0.1, 0.149, 0.2)), allowed=st.sampled_from((True, True, False)))
+    def somebody_looks(self, wait, allowed):
+        enabled = self.hand.look(wait, allowed)
+        self.alive = self.alive and self.hand.now - self.fresh <= 0.15
+        may = self.alive and self.held and allowed
+        self.centred = may and (self.centred or max(map(abs, self.levers)) <= 0.05)
+        assert enabled == self.centred
+        assert self.hand.operator.levers == (self.levers if enabled else CENTRED)
+
+
 def test_whatever_comes_levers_pass_only_live_held_and_once_centred():
-    """Random samples, gaps and faults against a plain statement of the rule."""
-    rng = np.random.default_rng(5)
-    hand, centred_since_stop, moved = OperatorProfile(), False, 0
-    for _ in range(20000):
-        levers = CENTRED if rng.random() < 0.2 else Levers(*rng.uniform(-1.0, 1.0, 3).tolist())
-        fault = rng.random() < 0.02
-        changes = [{"good": False}, {"stamp": hand.watch.stamp}, {"stamp": hand.watch.stamp - 7}]
-        if rng.random() < 0.02:
-            centred_since_stop = hand.look(0.2)
-        held = bool(rng.random() < 0.95)
-        enabled = hand.say(levers, held, **(changes[rng.integers(3)] if fault else {}))
-        alive = hand.watch.joystick == Joystick.ALIVE and hand.watch.held
-        if not alive:
-            centred_since_stop = False
-        elif max(map(abs, hand.watch.levers)) <= P.centre:
-            centred_since_stop = True
-        assert enabled == (alive and centred_since_stop)
-        assert enabled or hand.operator.levers == CENTRED
-        moved += enabled
-    assert 2000 < moved < 18000
+    holds(Watched, examples=30, steps=40)
 
 
 def test_a_messages_sample_says_what_the_watch_needs():

@@ -5,10 +5,14 @@ import dataclasses
 import math
 
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from properties import vectors
 from scipy.optimize import brentq
 
 from forest_description.config.parameter import MachineError
 from forest_description.derived.tip_over import tip_over_margins
+from forest_description.geometry.kinematics import tip_position
 from forest_description.machine import load_machine
 
 MACHINE = load_machine("forwarder")
@@ -71,3 +75,18 @@ def test_a_vehicle_without_margin_is_balanced_on_its_wheels(log):
 def test_a_vehicle_that_falls_over_by_itself_is_refused():
     with pytest.raises(MachineError, match=r"centre_ahead \(5 m\).*allowed: between -2.5 m and 4.5 m"):
         dataclasses.replace(CHASSIS, centre_ahead=5.0)
+
+
+@given(vectors(-3.2, 3.2), st.floats(0.0, 3000.0))
+def test_in_any_pose_sides_mirror_a_turn_turns_them_and_a_load_beyond_a_line_takes_from_it(angles, log):
+    swing, boom, stick = angles
+    margins = tip_over_margins(CHASSIS, M, angles, log)
+    assert all(margin <= 1.0 for margin in margins)
+    mirrored = tip_over_margins(CHASSIS, M, (-swing, boom, stick), log)
+    assert (mirrored.left, mirrored.right) == pytest.approx((margins.right, margins.left), abs=1e-9)
+    assert (mirrored.ahead, mirrored.behind) == pytest.approx((margins.ahead, margins.behind), abs=1e-9)
+    x, y, _ = tip_position(angles, M.links)
+    more = tip_over_margins(CHASSIS, M, angles, log + 100.0)
+    lines = CHASSIS.ahead, CHASSIS.half_width, CHASSIS.behind, CHASSIS.half_width
+    for before, after, out, line in zip(margins, more, (x, y, -x, -y), lines, strict=True):
+        assert after < before if out > line + 0.01 else after >= before - 1e-12 or out > line

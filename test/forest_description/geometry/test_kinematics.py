@@ -4,6 +4,9 @@ import math
 
 import numpy as np
 import pytest
+from hypothesis import assume, given
+from hypothesis import strategies as st
+from properties import vectors
 
 from forest_description.geometry.kinematics import (
     Links,
@@ -163,15 +166,12 @@ def test_no_working_pose_is_singular():
     assert not any(is_singular(q, LINKS) for q in POSES)
 
 
-def test_nearest_pose_stays_on_its_branch():
-    rng = np.random.default_rng(8)
-    for _ in range(500):  # both elbows, behind the swing axis, swung by more than half a turn
-        q = rng.uniform((-4.0, -1.5, -3.0), (4.0, 2.8, 3.0))
-        near = tuple((q + rng.uniform(-0.02, 0.02, 3)).tolist())
-        tip = tip_position(tuple(q.tolist()), LINKS)
-        if abs(math.sin(q[2])) < 0.1 or abs(reach(q)) < 0.5:
-            continue
-        assert nearest_pose(tip, near, LINKS) == pytest.approx(q, abs=1e-9)
+@given(st.tuples(st.floats(-4.0, 4.0), st.floats(-1.5, 2.8), st.floats(-3.0, 3.0)), vectors(-0.02, 0.02))
+def test_the_pose_of_a_pose_s_tip_is_that_pose_whatever_its_branch(q, beside):
+    """Both elbows, behind the swing axis, swung by more than half a turn."""
+    assume(abs(math.sin(q[2])) >= 0.1 and abs(reach(q)) >= 0.5)
+    near = tuple(a + b for a, b in zip(q, beside, strict=True))
+    assert nearest_pose(tip_position(q, LINKS), near, LINKS) == pytest.approx(q, abs=1e-9)
 
 
 def test_nearest_pose_of_a_tip_out_of_reach_points_there_stretched():

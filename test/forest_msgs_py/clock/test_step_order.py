@@ -1,6 +1,8 @@
 """A lockstep run's messages come out in one order, however its nodes' batches came in."""
 
-import numpy as np
+import properties  # noqa: F401  hypothesis by the suite's settings
+from hypothesis import given
+from hypothesis import strategies as st
 
 from forest_msgs_py.clock.step_order import BatchMessage, StepOrder
 
@@ -22,39 +24,46 @@ def said(node, step):
     ]
 
 
-def run(seed):
-    """Feed announcements in random order, then everything else; return what came out, and the order."""
-    luck, order, out = np.random.default_rng(seed), StepOrder(tuple(ROLLS)), []
-    for node in luck.permutation(list(ROLLS)):
+def run(rolls, halves, order_of_batches):
+    """Feed announcements in an order, then everything else; return what came out, and the order."""
+    order, out = StepOrder(tuple(ROLLS)), []
+    for node in rolls:
         order.add_announcement("\n".join((node, *ROLLS[node])))
     feed = [("simulator", lambda: order.add_transient_local("/robot_description", b"urdf"))]
-    for node, last in LAST.items():
-        half = int(luck.integers(1, last))
+    for (node, last), half in zip(LAST.items(), halves, strict=True):
         for first, until in ((1, half), (half + 1, last)):
             messages = [one for step in range(first, until + 1) for one in said(node, step)]
             feed.append((node, lambda n=node, f=first, u=until, m=messages: order.add_batch(n, f - 1, u, m)))
     # Accounts of a node come in their order, those of several nodes in any.
-    for node in luck.permutation([node for node, _ in feed]):
+    for node in order_of_batches:
         feed.pop(next(i for i, (who, _) in enumerate(feed) if who == node))[1]()
         out += order.complete()
     return out, order
 
 
-def test_order_and_number_do_not_depend_on_arrival():
-    first, order = run(0)
-    assert [run(seed)[0] for seed in range(1, 6)] == [first] * 5
-    assert first[0] == ("/robot_description", 0, b"urdf")
-    step_1 = [message for message in first if message[1] == 1]
+BATCHES = ("simulator", *(node for node in ROLLS for _ in range(2)))
+USUAL = run(ROLLS, (1, 1, 1), BATCHES)[0]
+
+
+@given(st.permutations(tuple(ROLLS)), st.tuples(*[st.integers(1, 2)] * 3), st.permutations(BATCHES))
+def test_order_and_number_do_not_depend_on_arrival(rolls, halves, batches):
+    out, order = run(rolls, halves, batches)
+    assert out == USUAL
+    assert order.reached == 3
+
+
+def test_a_step_is_in_the_order_of_the_announced_outputs():
+    assert USUAL[0] == ("/robot_description", 0, b"urdf")
+    step_1 = [message for message in USUAL if message[1] == 1]
     assert list(dict.fromkeys(name for name, _, _ in step_1)) == EXPECTED_STEP
     assert [data for name, _, data in step_1 if name == "/diagnostics"] == [
         b"controller /diagnostics D 1",
         b"valve_driver /diagnostics D 1",
     ]
-    assert order.reached == 3
 
 
 def test_a_step_waits_for_the_account_of_each_node_and_names_who_is_behind():
-    _, order = run(0)
+    _, order = run(ROLLS, (1, 1, 1), BATCHES)
     assert order.missing() == "step 4: no account of valve_driver"
     order.add_batch("valve_driver", 3, 4, [])
     assert [name for name, _, _ in order.complete()] == [

@@ -1,6 +1,9 @@
 """Claims about the time between samples: a loop's time runs no faster than the clock does."""
 
+import properties  # noqa: F401  hypothesis by the suite's settings
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from forest_msgs_py.runtime.stamped_period import (
     BEGIN,
@@ -151,11 +154,20 @@ def test_the_steps_together_take_the_time_that_passes_whatever_the_rate(rate, st
     assert all(dt == 0.0 or dt >= 0.0024 for dt in steps)
 
 
-def test_time_does_not_run_away_when_talkers_disagree_on_it():
-    period = Loop(0.005)
-    stamps = [(0, k * 10**6, 10**18, k * 10**9)[k % 4] for k in range(4000)]  # none, its own, past and future
-    steps = [period.step(stamp, 100.0 + k * 1e-3) for k, stamp in enumerate(stamps)]
-    assert sum(steps) <= 4.0 + LONGEST
+STAMPS = st.integers(-(2**63), 2**63 - 1) | st.integers(0, 2 * 10**9) | st.just(0)
+GAPS = st.floats(-0.1, 0.2) | st.sampled_from((0.0, 0.001, 0.0025, 0.005))  # [s] until the next is sent
+
+
+@given(st.lists(st.tuples(STAMPS, GAPS), max_size=40))
+def test_time_does_not_run_away_whatever_stamps_say_and_no_step_is_too_long_or_too_short(samples):
+    period, sent, begun, total = Loop(0.005), 100.0, 100.0, 0.0
+    latest = sent
+    for stamp, gap in samples:
+        dt = period.step(stamp, sent)
+        assert dt == 0.0 or 0.0025 <= dt <= LONGEST
+        total, latest = total + dt, max(latest, sent)
+        assert total <= latest - begun + LONGEST + 1e-9
+        sent += gap
 
 
 def test_a_burst_after_a_stall_steps_by_its_stamps():

@@ -1,7 +1,10 @@
 """The deadman of a page, judged by receive times: what holds it, and after what it must be pressed anew."""
 
 import math
-import random
+
+from hypothesis import strategies as st
+from hypothesis.stateful import RuleBasedStateMachine, precondition, rule
+from properties import holds
 
 from forest_station.operator.deadman import REST, Deadman, State, expiry, heard_hands, judged, stopped, text
 from forest_station.operator.hands_message import Hands
@@ -180,31 +183,74 @@ def test_a_way_that_grows_faster_than_clocks_drift_ends_it():
     assert page.deadman.state == State.WAITING
 
 
+class Judged(RuleBasedStateMachine):
+    """Losses, delays, bursts, repetitions, stops, jumps of the page's clock."""
+
+    def __init__(self):
+        super().__init__()
+        self.page, self.now, self.way = Page(), 50.0, []
+        self.ready = False  # a release with centred levers was heard in time, and nothing stopped it since
+
+    @rule(count=st.integers(1, 4), held=st.booleans(), axes=st.sampled_from((CENTRED, CENTRED, DEFLECTED)))
+    def the_page_sends(self, count, held, axes):
+        for _ in range(count):
+            self.page.now = self.now = self.now + PERIOD
+            self.way.append(self.page.message(held, axes))
+            self.arrives(-1, 0.02, again=True)
+
+    @rule()
+    def the_operator_presses(self):
+        self.the_page_sends(1, False, CENTRED)
+        self.the_page_sends(1, True, CENTRED)
+
+    @rule(held=st.booleans(), seconds=st.sampled_from((0.0, 0.005, 0.06, 0.3)))
+    def a_message_waits(self, held, seconds):
+        self.page.now = self.now
+        self.way.append(self.page.message(held))
+        self.now += seconds
+
+    @precondition(lambda self: self.way)
+    @rule(
+        which=st.integers(0, 9),
+        round_trip=st.sampled_from((0.02, 0.02, 0.249, 0.25, math.inf)),
+        again=st.booleans(),
+    )
+    def arrives(self, which, round_trip, again):
+        message = self.way[which % len(self.way)] if again else self.way.pop(which % len(self.way))
+        before = self.page.deadman
+        after = heard_hands(before, message, self.now, round_trip)
+        if after.heartbeat != before.heartbeat:
+            assert self.now - TIMEOUT < after.heartbeat <= self.now
+            assert message.number > before.number
+            assert round_trip < ROUND_TRIP
+        if after.state == State.HELD:
+            assert message.held
+            assert self.ready
+            assert before.state != State.WAITING
+            assert after.heartbeat < before.heartbeat + TIMEOUT
+        self.page.deadman = after
+        self.ready = after.state != State.WAITING
+        if self.ready and before.state == State.WAITING:
+            assert not message.held
+            assert message.axes == CENTRED
+        self.looks()
+
+    @rule(seconds=st.sampled_from((0.0, 0.001, 0.05, 0.079, 0.1)))
+    def looks(self, seconds=0.0):
+        self.now += seconds
+        self.page.deadman = judged(self.page.deadman, self.now)
+        held = self.page.deadman.state == State.HELD
+        assert not held or self.now - self.page.deadman.heartbeat < TIMEOUT
+        self.ready = self.ready and self.page.deadman.state != State.WAITING
+
+    @rule(seconds=st.sampled_from((-10.0, -0.1, 0.1, 10.0)))
+    def the_pages_clock_jumps(self, seconds):
+        self.page.ahead += seconds
+
+    @rule()
+    def a_stop(self):
+        self.page.deadman, self.ready = stopped(self.page.deadman, "A stop."), False
+
+
 def test_whatever_arrives_it_is_never_held_for_longer_than_the_timeout_after_a_heartbeat():
-    """Random losses, delays, bursts, repetitions, stops, jumps of the page's clock."""
-    rng = random.Random(3)
-    held = 0
-    for _ in range(100):
-        page, pressed, now = Page(rng.uniform(-1e3, 1e3)), False, 50.0
-        waiting = []
-        for _ in range(200):
-            if rng.random() < 0.2:
-                pressed = not pressed
-            if rng.random() < 0.02:
-                page.ahead += rng.uniform(-10.0, 10.0)
-            waiting.append((now + rng.choice((0.001, 0.003, 0.02, 0.3)), page.message(pressed)))
-            page.now = now = now + rng.choice((PERIOD, PERIOD, PERIOD, 0.005, 0.2))
-            due = [item for item in waiting if item[0] <= now and rng.random() < 0.9]
-            waiting = [item for item in waiting if item[0] > now]
-            for at, message in sorted(due):
-                before = page.deadman
-                after = heard_hands(before, message, at, rng.choice((0.01, 0.05, 0.3)))
-                assert after.heartbeat == before.heartbeat or at - TIMEOUT < after.heartbeat <= at
-                if after.state == State.HELD:
-                    held += 1
-                    assert message.held or after.heartbeat == before.heartbeat
-                    assert before.state == State.READY or before.heartbeat + TIMEOUT > after.heartbeat
-                page.deadman = after
-            page.deadman = judged(page.deadman, now)
-            assert page.deadman.state != State.HELD or now - page.deadman.heartbeat < TIMEOUT
-    assert held > 500
+    holds(Judged, examples=30, steps=40)

@@ -1,6 +1,8 @@
-"""One page drives; the others ask. Random sequences keep the rules."""
+"""One page drives; the others ask. Any sequence keeps the rules."""
 
-import random
+from hypothesis import strategies as st
+from hypothesis.stateful import RuleBasedStateMachine, invariant, rule
+from properties import holds
 
 from forest_station.operator.seat import Seat, asked, gone, heard, is_abandoned, left
 
@@ -37,28 +39,48 @@ def test_a_driver_that_goes_leaves_the_seat_free_and_an_asker_that_goes_is_forgo
     assert gone(seat, "2").asking == ()
 
 
+PAGES = st.sampled_from(("1", "2", "3"))
+
+
+class Seated(RuleBasedStateMachine):
+    """Pages that come, ask, leave, hand over and go."""
+
+    def __init__(self):
+        super().__init__()
+        self.seat, self.there, self.now = Seat(), set(), 0.0
+
+    @rule(seconds=st.sampled_from((0.1, 1.9, 2.1)), speaks=st.booleans())
+    def time_goes_on(self, seconds, speaks):
+        self.now += seconds
+        self.seat = heard(self.seat, self.now) if speaks else self.seat
+
+    @rule(page=PAGES)
+    def asks(self, page):
+        self.there.add(page)
+        before, self.seat = self.seat, asked(self.seat, page, self.now)
+        if self.seat.driver != before.driver:
+            assert self.seat.driver == page
+            assert before.driver is None or self.now - before.heard > ABANDONED
+        else:
+            assert page == before.driver or page in self.seat.asking
+
+    @rule(page=PAGES, heir=st.none() | PAGES)
+    def leaves(self, page, heir):
+        heir = heir if heir in self.there else None
+        before, self.seat = self.seat, left(self.seat, page, heir, self.now)
+        assert self.seat.driver == heir if page == before.driver else self.seat == before
+
+    @rule(page=PAGES)
+    def goes(self, page):
+        self.there.discard(page)
+        self.seat = gone(self.seat, page)
+
+    @invariant()
+    def there_is_one_driver_who_is_still_there(self):
+        assert self.seat.driver is None or self.seat.driver in self.there
+        assert set(self.seat.asking) <= self.there - {self.seat.driver}
+        assert len(set(self.seat.asking)) == len(self.seat.asking)
+
+
 def test_in_any_order_there_is_one_driver_who_asked_and_is_still_there():
-    rng = random.Random(4)
-    for _ in range(200):
-        seat, pages, now = Seat(), {"1", "2", "3"}, 0.0
-        for _ in range(60):
-            now += rng.uniform(0.0, 1.0)
-            before, page = seat, rng.choice(("1", "2", "3", "4"))
-            act = rng.randrange(4)
-            if act == 0 and page in pages:
-                seat = asked(seat, page, now)
-                if seat.driver != before.driver:
-                    assert before.driver is None or now - before.heard > ABANDONED
-            elif act == 1:
-                heir = rng.choice((None, *pages)) if pages else None
-                seat = left(seat, page, heir, now)
-                assert page == before.driver or seat == before
-            elif act == 2:
-                pages.discard(page)
-                seat = gone(seat, page)
-            else:
-                pages.add(page)
-            assert seat.driver is None or seat.driver in pages
-            assert set(seat.asking) <= pages
-            assert seat.driver not in seat.asking
-            assert len(set(seat.asking)) == len(seat.asking)
+    holds(Seated, examples=30, steps=20)

@@ -1,9 +1,12 @@
 """Requests of a page: whatever is sent, there is an answer with a sentence."""
 
 import asyncio
+import json
 from types import SimpleNamespace
 
 import pytest
+from hypothesis import given
+from properties import spoilt
 
 from forest_station.server.requests import REQUESTS, Refused, Request, answered, read_request
 
@@ -47,6 +50,14 @@ def test_garbage_is_refused_and_the_allowed_requests_are_named(text):
     told = answer(text, TABLE)
     assert not told["ok"]
     assert "allowed: drive, no, yes" in told["text"]
+
+
+@given(spoilt(b'{"do": "drive", "number": 3, "what": "it"}'))
+def test_whatever_is_said_is_answered_and_moves_nothing_from_a_page_that_looks_on(data):
+    told = answer(data.decode("utf-8", "surrogateescape"), TABLE, driver="2")
+    assert json.loads(json.dumps(told)) == told
+    assert told["ok"] is False
+    assert told["text"].endswith((".", "drive, no, yes."))
 
 
 def test_the_driver_alone_resets_and_sets():

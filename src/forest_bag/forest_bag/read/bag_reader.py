@@ -9,7 +9,7 @@ import contextlib
 import re
 import tempfile
 from bisect import bisect_left
-from collections.abc import Callable, Collection, Iterator
+from collections.abc import Callable, Collection, Iterable, Iterator
 from operator import itemgetter
 from pathlib import Path
 from types import TracebackType
@@ -126,11 +126,11 @@ class BagReader:
         waiting: list[RawMessage] = []
         for piece, file in places:
             due = bisect_left(waiting, piece.first_ns, key=_log_time)
-            yield from waiting[:due]
+            yield from self._whole(waiting[:due])
             del waiting[:due]
             waiting += self._read(piece, file, topics, start_ns)
             waiting.sort(key=_log_time)
-        yield from waiting
+        yield from self._whole(waiting)
 
     def newest(self, topics: Collection[str], time_ns: int) -> dict[str, RawMessage]:
         """Return the last message of each topic up to a log time; a topic without one is left out.
@@ -146,7 +146,8 @@ class BagReader:
             sought = {name for name in topics if name not in found or found[name].log_ns < piece.last_ns}
             if not sought:
                 break
-            for message in self._read(piece, file, sought, 0) if _concerns(piece, file, sought) else ():
+            read = self._read(piece, file, sought, 0) if _concerns(piece, file, sought) else []
+            for message in self._whole(read):
                 last = found.get(message.channel.topic)
                 if message.log_ns <= time_ns and (last is None or message.log_ns >= last.log_ns):
                     found[message.channel.topic] = message
@@ -162,19 +163,26 @@ class BagReader:
             with self._watched():
                 file.check()
             for piece in file.pieces if self._by_message else ():
-                self._read(piece, file, None, 0)
+                for _ in self._whole(self._read(piece, file, None, 0)):
+                    pass
 
     def _read(
         self, piece: Piece, file: BagFile, topics: Collection[str] | None, start_ns: int
     ) -> list[RawMessage]:
         with self._watched():
-            found = [
+            return [
                 message
                 for message in file.read(piece)
                 if message.log_ns >= start_ns and (topics is None or message.channel.topic in topics)
             ]
-            return [_decompressed(message) for message in found] if self._by_message else found
         return []
+
+    def _whole(self, read: Iterable[RawMessage]) -> Iterator[RawMessage]:
+        """Decompress messages as they are wanted: a piece may hold thousands of bombs."""
+        for message in read:
+            with self._watched():
+                message = _decompressed(message) if self._by_message else message
+                yield message
 
     @contextlib.contextmanager
     def _watched(self) -> Iterator[None]:

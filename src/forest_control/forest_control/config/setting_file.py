@@ -38,7 +38,9 @@ def tree_of(kind: str, name: str, folder: str) -> Any:
     """
     try:
         return parsed(_text(kind, name, folder))
-    except (OSError, UnicodeDecodeError) as error:
+    except SettingFileError:
+        raise
+    except (OSError, ValueError) as error:  # a name may hold what no name may, a file no text
         known = ", ".join(shipped_in(folder))
         raise SettingFileError(
             f"{kind} {name!r}: neither shipped ({known}) nor a readable file: {error}"

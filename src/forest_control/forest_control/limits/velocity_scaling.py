@@ -72,7 +72,7 @@ class Axis(NamedTuple):
     closest: float  # [m]; not positive: as near as it likes
 
 
-_NO_LINKAGE = Linkage(1.0, 1.0, 0.0)
+_NO_LINKAGE = Linkage(2.0, 1.0, 0.0)  # its cylinder has a length at any angle
 ENOUGH = Pumps(math.inf, (0.0, 0.0, 0.0), (0.0, 0.0, 0.0), (_NO_LINKAGE, _NO_LINKAGE))
 NO_STROKE = Stroke(_NO_LINKAGE, 0.0, 0.0)
 NO_AXIS = Axis(Links(0.0, 1.0, 1.0), 0.0)

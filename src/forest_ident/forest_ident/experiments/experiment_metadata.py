@@ -63,7 +63,7 @@ def checked(name: str, number: Any, factor: float = 1.0) -> float:
     fact = FACTS[name]
     try:
         found = float(number) * factor
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         found = math.nan
     if not fact.low <= found <= fact.high or (fact.whole and found != round(found)):
         kind = "whole numbers " if fact.whole else ""

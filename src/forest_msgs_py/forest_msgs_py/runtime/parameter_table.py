@@ -26,6 +26,7 @@ from enum import EnumMeta, IntEnum
 from functools import partial
 from typing import Annotated, Any, NamedTuple, TypeVar, get_args, get_type_hints
 
+LARGEST_WHOLE = 2**1023  # a greater one may be no float; the largest finite one is twice this
 Table = TypeVar("Table", bound=tuple[Any, ...])
 
 
@@ -141,7 +142,7 @@ def as_typed(value: Any) -> Any:
 def converted(default: Any, given: Any) -> Any:
     """Return a value in the default's type, a list for a tuple, or None where it does not fit."""
     if isinstance(default, float) and isinstance(given, int) and not isinstance(given, bool):
-        return float(given)
+        return float(given) if abs(given) < LARGEST_WHOLE else None
     if isinstance(default, (list, tuple)):
         items = list(given) if isinstance(given, (list, tuple)) or hasattr(given, "typecode") else [None]
         found = [converted(default[0], item) for item in items] if default else items

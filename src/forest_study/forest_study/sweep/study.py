@@ -27,7 +27,7 @@ from forest_description.config.parameter import MachineError
 from forest_description.config.units import UNITS, units_for
 from forest_description.machine import Machine
 from forest_msgs_py.interfaces.yaml_text import LARGEST, parsed
-from forest_msgs_py.runtime.parameter_table import Parameter, ParameterError, table_rows
+from forest_msgs_py.runtime.parameter_table import Parameter, ParameterError, converted, table_rows
 from forest_study.closed_loop import model_mismatch
 from forest_study.results import StudyError
 from forest_study.sweep.trials import KINDS, Kind
@@ -181,7 +181,7 @@ def _one(kind: Kind, key: str, value: Any) -> Any:
         return checked
     if prefix not in kind.prefixes:
         raise StudyError(f"{key}: not a key of this kind; allowed: {_allowed(kind, ())}")
-    return _si(key, name, value) if prefix in ("machine", "plant") else _hashable(value)
+    return _si(key, name, value) if prefix in ("machine", "plant") else _plain(key, value)
 
 
 def _allowed(kind: Kind, rows: Any) -> str:
@@ -205,10 +205,15 @@ def _si(key: str, name: str, value: Any) -> float:
     return si
 
 
-def _hashable(value: Any) -> Any:
+def _plain(key: str, value: Any) -> Any:
+    """Return a setting's value, which its own table checks later: a number, a word, or some of them."""
     if isinstance(value, list):
-        return tuple(value)
-    return float(value) if isinstance(value, int) and not isinstance(value, bool) else value
+        return tuple(_plain(key, one) for one in value)
+    if isinstance(value, int) and not isinstance(value, bool):
+        value = converted(0.0, value)
+    if not isinstance(value, bool | float | str):
+        raise StudyError(f"{key} is {value!r}; allowed: a number, a word, or a list of them")
+    return value
 
 
 def _mapping(where: str, value: Any) -> dict[str, Any]:

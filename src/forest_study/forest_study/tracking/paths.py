@@ -46,7 +46,7 @@ def _waypoints(file: Path) -> list[Vec3]:
     try:
         with file.open(newline="", encoding="utf-8-sig") as text:
             rows = [row for row in csv.reader(text) if row]
-    except (OSError, UnicodeDecodeError, csv.Error) as error:
+    except (OSError, ValueError, csv.Error) as error:  # a name may hold what no name may, a file no text
         known = ", ".join(NAMES)
         raise PathError(f"{file}: no path of this name ({known}), nor a readable file: {error}") from error
     if not rows or tuple(cell.strip() for cell in rows[0]) != ("x", "y", "z"):
