@@ -48,7 +48,7 @@ def line_of(path: TipPath) -> Floats:
 
 def ideal(path: TipPath, profile: Profile, times: Floats) -> Floats:
     """Return where a profile is on its path at times [N] s: [N, 3] m."""
-    return np.array([path.at(profile.way_at(time)) for time in times.tolist()])
+    return np.array([path.at(s) for s in profile.ways_at(times).tolist()])
 
 
 def time_lost(path: TipPath, profile: Profile, times: Floats, tips: Floats) -> float:

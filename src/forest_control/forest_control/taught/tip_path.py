@@ -57,13 +57,17 @@ class Profile(NamedTuple):
         return float(self.time[-1])
 
     def way_at(self, time: float) -> float:
-        """Return s [m]; the acceleration is constant between two rows."""
-        if time <= 0.0 or time >= self.time[-1]:
-            return 0.0 if time <= 0.0 else float(self.way[-1])
-        k = int(np.searchsorted(self.time, time, side="right")) - 1
-        span, since = self.time[k + 1] - self.time[k], time - self.time[k]
+        """Return s [m] at a time [s]."""
+        return float(self.ways_at(np.array([time]))[0])
+
+    def ways_at(self, times: Floats) -> Floats:
+        """Return s [N] m at times [N] s; the acceleration is constant between two rows."""
+        k = np.clip(np.searchsorted(self.time, times, side="right") - 1, 0, len(self.time) - 2)
+        span, since = self.time[k + 1] - self.time[k], times - self.time[k]
         slope = (self.speed[k + 1] - self.speed[k]) / span
-        return float(self.way[k] + (self.speed[k] + 0.5 * slope * since) * since)
+        ways: Floats = self.way[k] + (self.speed[k] + 0.5 * slope * since) * since
+        ways[times <= 0.0], ways[times >= self.time[-1]] = 0.0, self.way[-1]
+        return ways
 
 
 def polyline(name: str, points: list[Vec3]) -> TipPath:

@@ -30,6 +30,7 @@ from forest_study.closed_loop import compiled_loop
 from forest_study.closed_loop.closed_loop import Trajectory
 from forest_study.closed_loop.compiled_loop import Led
 from forest_study.closed_loop.path_guide import Hand
+from forest_study.measures import ideal
 from forest_study.tracking.scores import Drawn, Lap, Score, drawn, scores_of
 
 REST = 1.0  # [s] before the first lap and after every lap
@@ -113,8 +114,8 @@ def prepare(
     settings = controller_settings.Settings(scheme=scheme, tip_speed=speed, position_source=source)
     runs = plan(path, speed, controller_settings.parameters(model, settings), laps)
     end = runs[-1].start + runs[-1].profile.duration + REST
-    places = [_place(k * PERIOD, runs) for k in range(round(end / PERIOD) + 1)]
-    return Course(tuple(map(drawn, runs)), settings, model, np.array(places), Hand(speed))
+    places = _places(PERIOD * np.arange(round(end / PERIOD) + 1), runs)
+    return Course(tuple(map(drawn, runs)), settings, model, places, Hand(speed))
 
 
 def follow(
@@ -170,10 +171,11 @@ def _angles(place: Vec3, path: TipPath, machine: Machine) -> Vec3:
         raise PathError(f"{path.name}: {error}") from error
 
 
-def _place(time: float, laps: tuple[Lap, ...]) -> Vec3:
-    """Return where the profile is at a time [s]."""
-    lap = next((lap for lap in reversed(laps) if time >= lap.start - 0.5 * PERIOD), laps[0])
-    return lap.path.at(lap.profile.way_at(time - lap.start))
+def _places(times: Floats, laps: tuple[Lap, ...]) -> Floats:
+    """Return where the profile is at rising times [N] s: [N, 3] m."""
+    begins = [lap.start - 0.5 * PERIOD for lap in laps[1:]]
+    parts = zip(laps, np.split(times, np.searchsorted(times, begins)), strict=True)
+    return np.concatenate([ideal(lap.path, lap.profile, part - lap.start) for lap, part in parts])
 
 
 def noisy(machine: Machine, seed: int, static_errors: bool = False) -> Suite:
