@@ -7,7 +7,6 @@ happen to be loaded is mixed in.
 from __future__ import annotations
 
 import math
-
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
