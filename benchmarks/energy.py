@@ -21,7 +21,7 @@ from forest_description.machine import load_machine
 from forest_description.types import Floats
 from forest_sim.simulation.changing_plant import ChangingPlant
 from forest_sim.simulation.energy_account import Account, account, unaccounted, with_stored_energy
-from forest_sim.simulation.load import Load
+from forest_sim.simulation.load_schedule import Load
 from forest_sim.simulation.open_loop import start_angles
 from forest_sim.solver.compiled_plant import compiled_record
 from forest_sim.solver.equilibrium import equilibrium

@@ -13,7 +13,7 @@ from forest_msgs_py.runtime.parameter_table import MachineParameter
 from forest_station.graph.crane_graph import CraneGraph
 from forest_station.server.app import serve
 from forest_station.server.entrance import entrance
-from forest_station.server.station import Station
+from forest_station.server.server_state import Station
 from forest_station.server.station_parameters import StationParameters
 
 

@@ -3,7 +3,7 @@
 In the order in which data passes:
 
 - `closed_loop`: Machine, controller and driver in one loop without ROS, interpreted or compiled.
-- `measures`: How far a tip was from where it should be: four measures, of which none is told alone.
+- `trial_measures`: How far a tip was from where it should be: four measures, of which none is told alone.
 - `tracking`: The tip along a path, and how far it is from where it should be.
 - `matrix`: What control reaches on plants that nobody knows exactly, the worst of many seeds.
 - `faults`: Faults in every state of the crane: what must happen, and what happens at worst.

@@ -21,10 +21,10 @@ from forest_msgs_py.runtime.node import NodeFailure, publisher, run_node, timer
 from forest_msgs_py.runtime.node_parameters import declare
 from forest_viewers.server import client_requests
 from forest_viewers.server.client_requests import ClientRequests, Request
+from forest_viewers.server.client_stop_button import StopButton
 from forest_viewers.server.client_view import ClientView, ServerError
 from forest_viewers.server.frame_channels import FrameChannels
 from forest_viewers.server.server_parameters import ServerParameters
-from forest_viewers.server.stop_button import StopButton
 
 TURN, LOOK = 0.02, 0.25  # [s] between two hand-overs of messages, and between two looks at the graph
 

@@ -17,7 +17,7 @@ from forest_description.derived.limits import pose_at
 from forest_description.machine import load_machine
 from forest_sim.equations.plant_parameters import plant_parameters
 from forest_sim.sensors.sensor_suite import sensor_suite
-from forest_sim.simulation.load import Load, loaded
+from forest_sim.simulation.load_schedule import Load, loaded
 from forest_study.closed_loop.closed_loop import ClosedLoop, Operator
 
 REAL, C180 = load_machine("c180"), load_machine("c180_hoses")

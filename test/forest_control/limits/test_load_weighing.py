@@ -27,7 +27,7 @@ from forest_msgs_py.types import PERIOD
 from forest_sim.equations.plant_parameters import plant_parameters
 from forest_sim.sensors.sensor_readings import at_rest, measure
 from forest_sim.sensors.sensor_suite import sensor_suite
-from forest_sim.simulation.load import Load, loaded
+from forest_sim.simulation.load_schedule import Load, loaded
 from forest_sim.solver.equilibrium import equilibrium
 from forest_study.closed_loop.closed_loop import ClosedLoop, Operator
 

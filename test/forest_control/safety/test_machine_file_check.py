@@ -22,7 +22,7 @@ from forest_description.types import AXES, ZERO
 from forest_msgs_py.types import PERIOD
 from forest_sim.equations.plant_parameters import plant_parameters
 from forest_sim.sensors.sensor_suite import sensor_suite
-from forest_sim.simulation.load import Load, loaded
+from forest_sim.simulation.load_schedule import Load, loaded
 from forest_sim.solver.oil_temperature import parameters_at
 from forest_study.closed_loop.closed_loop import ClosedLoop, Operator
 from forest_study.closed_loop.model_mismatch import Ranges, applied, draw

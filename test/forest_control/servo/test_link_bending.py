@@ -17,7 +17,7 @@ from forest_description.machine import load_machine
 from forest_description.mechanics.elasticity_parameters import Elasticity
 from forest_sim.equations.plant_parameters import plant_parameters
 from forest_sim.mechanics.manipulator import dynamics, fold_head
-from forest_sim.simulation.load import Load, loaded
+from forest_sim.simulation.load_schedule import Load, loaded
 from forest_sim.solver.equilibrium import equilibrium
 from forest_study.tracking.paths import path_named
 from forest_study.tracking.tracking import noisy, track

@@ -14,16 +14,16 @@ from forest_ident.estimators import (
     gravity,
     hose_estimators,
     motor_leakage,
-    valve_characteristic,
+    valve_estimate,
 )
 from forest_ident.refinement import linear_estimates
 from forest_sim.sensors.sensor_suite import CHANNELS, sensor_suite
 
 
 def points_and_law(machine, session):
-    points = valve_characteristic.points(session, linear_estimates.highest(machine, session))
+    points = valve_estimate.points(session, linear_estimates.highest(machine, session))
     low = linear_estimates.floor(machine, session)
-    return points, valve_characteristic.law(points, load_machine("c180_hoses").valve, low, 1e-7)
+    return points, valve_estimate.law(points, load_machine("c180_hoses").valve, low, 1e-7)
 
 
 def test_overlap_and_gain_of_the_valve_are_found_by_direction(unknown_machine, sessions):
@@ -38,7 +38,7 @@ def test_overlap_and_gain_of_the_valve_are_found_by_direction(unknown_machine, s
 def test_the_meters_floor_is_not_taken_for_flow(unknown_machine, sessions):
     """What stands at the floor, taken as flow, would put the overlap's edge a tenth of a volt too low."""
     points, censored = points_and_law(unknown_machine, sessions("valve"))
-    taken = valve_characteristic.law(points, load_machine("c180_hoses").valve, 0.0, 1e-7)
+    taken = valve_estimate.law(points, load_machine("c180_hoses").valve, 0.0, 1e-7)
     truth = unknown_machine.valve.deadband_voltage
     wrong = abs(taken.values["deadband_voltage"] - truth)
     assert wrong > 10.0 * abs(censored.values["deadband_voltage"] - truth)
@@ -46,8 +46,8 @@ def test_the_meters_floor_is_not_taken_for_flow(unknown_machine, sessions):
 
 def test_the_polynomial_goes_through_what_was_read(unknown_machine, sessions):
     points, _ = points_and_law(unknown_machine, sessions("valve"))
-    c_r = valve_characteristic.resistance(points, linear_estimates.floor(unknown_machine, sessions("valve")))
-    coefficients = valve_characteristic.polynomial(points.voltage, c_r)
+    c_r = valve_estimate.resistance(points, linear_estimates.floor(unknown_machine, sessions("valve")))
+    coefficients = valve_estimate.polynomial(points.voltage, c_r)
     open_wide = np.isfinite(c_r) & (np.abs(points.voltage) > 5.0)
     said = np.polynomial.polynomial.polyval(np.abs(points.voltage[open_wide]), coefficients)
     assert said == pytest.approx(c_r[open_wide], rel=0.6)

@@ -7,7 +7,7 @@ from forest_description.derived.limits import pose_at, start_tip
 from forest_description.machine import load_machine
 from forest_msgs_py.interfaces import topics
 from forest_sim.sensors.sensor_suite import EXACT_SUITE
-from forest_sim.simulation.load import Load
+from forest_sim.simulation.load_schedule import Load
 from forest_sim.simulation.sensor_log import further_topics
 from forest_sim.simulation.simulated_machine import SimulatedMachine
 

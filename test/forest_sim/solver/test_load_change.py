@@ -15,7 +15,7 @@ from forest_sim.equations.multibody import HANGING_STILL, mechanics
 from forest_sim.equations.plant_parameters import plant_parameters
 from forest_sim.mechanics.manipulator import dynamics
 from forest_sim.simulation.changing_plant import ChangingPlant
-from forest_sim.simulation.load import Load, loaded, parse_loads
+from forest_sim.simulation.load_schedule import Load, loaded, parse_loads
 from forest_sim.simulation.open_loop import Run, whole
 from forest_sim.simulation.voltage_profiles import Voltages
 from forest_sim.solver.compiled_plant import compiled_advance

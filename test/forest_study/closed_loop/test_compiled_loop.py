@@ -21,7 +21,7 @@ from forest_msgs_py.types import PERIOD
 from forest_sim.equations.plant_parameters import plant_parameters
 from forest_sim.sensors.sensor_faults import parse_faults
 from forest_sim.sensors.sensor_suite import sensor_suite
-from forest_sim.simulation.load import Load, loaded
+from forest_sim.simulation.load_schedule import Load, loaded
 from forest_study.closed_loop import closed_loop, compiled_loop, loop_core, loop_kernel
 from forest_study.closed_loop.closed_loop import Operator
 

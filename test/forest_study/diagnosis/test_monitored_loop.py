@@ -15,10 +15,10 @@ from forest_sim.hydraulics.actuator import inlet_flow, leaking, outlet_flow
 from forest_study.closed_loop import loop_core, loop_kernel
 from forest_study.closed_loop.path_guide import Hand
 from forest_study.diagnosis import monitored_loop
+from forest_study.diagnosis.detection_figures import figures
+from forest_study.diagnosis.diagnosis_trial import monitored
 from forest_study.diagnosis.faults import CASES, injected, right_causes
-from forest_study.diagnosis.figures import figures
 from forest_study.diagnosis.population import day
-from forest_study.diagnosis.trial import monitored
 from forest_study.tracking.tracking import noisy
 
 MACHINE = load_machine("c180_hoses")

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from forest_description.machine import load_machine
-from forest_study.log_work import measures, trial
+from forest_study.log_work import trial, trial_measures
 from forest_study.log_work.crane import Crane
 from forest_study.log_work.person import read_person
 from forest_study.log_work.site import site_of
@@ -29,7 +29,7 @@ def test_both_logs_go_into_the_bunk_and_back(done):
 
 
 def test_the_figures_add_up(done):
-    told = measures.figures(done)
+    told = trial_measures.figures(done)
     assert told["time"] == pytest.approx(told["loading"] + told["within"] + told["unloading"])
     assert told["time"] == pytest.approx(told["up"] + told["across"] + told["down"] + told["grapple"])
     assert 1.0 < told["path_ratio"] < 2.0
@@ -69,9 +69,9 @@ def test_a_task_that_is_not_done_says_where_it_ended(monkeypatch):
 
 def test_reversals_and_axes_count_deflections_and_not_play():
     lever = np.array([0.0, 0.5, 0.02, 0.4, -0.3, -0.01, -0.2, 0.6])
-    assert measures.reversals(lever) == 2
+    assert trial_measures.reversals(lever) == 2
     both = np.column_stack([lever, np.full(8, 0.3), np.zeros(8)])
-    assert measures.axes_at_once(both) == pytest.approx(13 / 8)
+    assert trial_measures.axes_at_once(both) == pytest.approx(13 / 8)
 
 
 def test_a_crane_that_its_guard_stops_ends_the_trial(monkeypatch):

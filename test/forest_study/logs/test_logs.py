@@ -10,8 +10,8 @@ import pytest
 from forest_study.cli import main
 from forest_study.log_work import trial
 from forest_study.logs import logs_command
-from forest_study.logs import report as report_page
-from forest_study.logs.report import answers
+from forest_study.logs import logs_report as report_page
+from forest_study.logs.logs_report import answers
 from forest_study.logs.statistics import difference, mean
 from forest_study.logs.tables import SHOWN, groups, text
 from forest_study.sweep.design import runs

@@ -36,7 +36,7 @@ from forest_description.machine import Machine
 from forest_description.mechanics.drives import CylinderDrive
 from forest_description.mechanics.load import Log
 from forest_description.types import Vec3
-from forest_description.urdf.elements import ORIGIN, Inertial, joint, limit, link, mimic, text, visual
+from forest_description.urdf.urdf_elements import ORIGIN, Inertial, joint, limit, link, mimic, text, visual
 
 FORWARD: Vec3 = (1.0, 0.0, 0.0)
 UP: Vec3 = (0.0, 0.0, 1.0)

@@ -29,7 +29,7 @@ import numpy as np
 from forest_description.hydraulics.hose import MeasuredHose
 from forest_description.types import Floats
 from forest_ident.estimators.least_squares import LinearFit, solve
-from forest_ident.estimators.valve_characteristic import holds
+from forest_ident.estimators.valve_estimate import holds
 from forest_ident.measurements.differentiator import derivative, inner, smooth
 from forest_ident.measurements.readings import lagged
 from forest_ident.measurements.session import Session

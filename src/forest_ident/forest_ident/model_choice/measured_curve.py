@@ -21,7 +21,7 @@ import scipy
 from forest_description.hydraulics.valve_parameters import FlowCurve, Valve
 from forest_description.machine import Machine
 from forest_description.types import Floats
-from forest_ident.estimators import valve_characteristic
+from forest_ident.estimators import valve_estimate
 from forest_ident.measurements import sample_mask
 from forest_ident.measurements.parameter_path import part_of, with_part
 from forest_ident.measurements.session import Session
@@ -52,7 +52,7 @@ def with_measured_curves(machine: Machine, sessions: Sequence[Session]) -> Machi
 
 def _points(machine: Machine, valve: Valve, session: Session) -> tuple[Floats, Floats]:
     """Return strokes, rising, and openings of the holds whose flow is above the meter's floor."""
-    read = valve_characteristic.points(session, linear_estimates.highest(machine, session))
+    read = valve_estimate.points(session, linear_estimates.highest(machine, session))
     least = sample_mask.AT_FLOOR * linear_estimates.floor(machine, session)
     seen = (np.abs(read.flow) > least) & (read.drop_1 > 0.0)
     opening = np.abs(read.flow) / np.sqrt(np.where(seen, read.drop_1, 1.0))

@@ -14,7 +14,7 @@ import numpy as np
 from forest_description.config.parameter import MachineError
 from forest_description.machine import Machine
 from forest_description.types import AXES
-from forest_ident.estimators import calibration, linkage
+from forest_ident.estimators import calibration, linkage_estimate
 from forest_ident.estimators.parameter_estimate import (
     Estimate,
     excitation_for,
@@ -153,7 +153,7 @@ def _measured_linkages(
     """
     errors = dict(stated)
     for axis in AXES[1:]:
-        found = [e for e in linkage.pivots(result.start, used) if e.key.startswith(axis)]
+        found = [e for e in linkage_estimate.pivots(result.start, used) if e.key.startswith(axis)]
         closer = {e.key: e.standard_error for e in found if e.standard_error < stated.get(e.key, 0.0)}
         if not found or len(closer) < len(found):
             continue

@@ -12,7 +12,7 @@ from forest_ident.estimators import (
     gravity,
     hose_estimators,
     motor_leakage,
-    valve_characteristic,
+    valve_estimate,
 )
 from forest_ident.estimators.least_squares import LinearFit
 from forest_ident.estimators.parameter_estimate import Estimate, unit_of
@@ -129,18 +129,18 @@ def _estimate(
 def _valve(machine: Machine, session: Session) -> list[Estimate]:
     section = f"{session.own_axis}.valve" if session.own_axis else "valve"
     read, low = meter(machine, session), floor(machine, session)
-    points = valve_characteristic.points(session, highest(machine, session))
+    points = valve_estimate.points(session, highest(machine, session))
     seen = np.abs(points.flow) > sample_mask.AT_FLOOR * low
     ways = [int(np.sum(seen & (np.sign(points.voltage) == way))) for way in (1.0, -1.0)]
     holds = f"{ways[0]} steady openings forward and {ways[1]} backward with flow above the meter's floor"
     _require(session, min(ways) >= ENOUGH, holds, f"{ENOUGH} each or more")
     noise = (read.noise or 0.0) if read else 0.0
     noise = max(noise / math.sqrt(float(np.median(points.samples))), 1e-10)
-    fit = valve_characteristic.law(points, valve_at(machine, section), low, noise)
+    fit = valve_estimate.law(points, valve_at(machine, section), low, noise)
     method = "C_R(V), flow below the floor censored (4.1)"
     return [
         _estimate(f"{section}.{key}", fit.values[key], fit.errors[key], fit.condition, method)
-        for key in valve_characteristic.KEYS
+        for key in valve_estimate.KEYS
     ]
 
 

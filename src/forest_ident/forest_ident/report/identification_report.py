@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from matplotlib.figure import Figure
 
-from forest_ident.estimators import valve_characteristic
+from forest_ident.estimators import valve_estimate
 from forest_ident.estimators.parameter_estimate import Estimate
 from forest_ident.measurements.session import Session, SessionError
 from forest_ident.online import online_comparison
@@ -99,8 +99,8 @@ def off(e: Estimate, before: float | None) -> str:
 def _curve(result: Result, session: Session) -> tuple[str, list[tuple[float, float]]]:
     """Return a valve record's name and its points: voltage [V], C_R [Pa s^2/m^6]."""
     low = linear_estimates.floor(result.machine, session)
-    points = valve_characteristic.points(session, linear_estimates.highest(result.machine, session))
-    c_r = valve_characteristic.resistance(points, low)
+    points = valve_estimate.points(session, linear_estimates.highest(result.machine, session))
+    c_r = valve_estimate.resistance(points, low)
     seen = np.isfinite(c_r)
     return session.name, sorted(zip(points.voltage[seen].tolist(), c_r[seen].tolist(), strict=True))
 

@@ -16,7 +16,7 @@ from forest_ident.estimators import (
     damping,
     hose_estimators,
     motor_leakage,
-    valve_characteristic,
+    valve_estimate,
 )
 from forest_ident.experiments import test_rig
 from forest_ident.measurements.differentiator import derivative, smooth
@@ -52,16 +52,16 @@ def _plot(
 def valve(axes: Any, machine: Machine, session: Session) -> None:
     """Plot C_R over the voltage: read, law, polynomial. Thesis fig. 4.4."""
     low, high = linear_estimates.floor(machine, session), linear_estimates.highest(machine, session)
-    points = valve_characteristic.points(session, high)
-    c_r = valve_characteristic.resistance(points, low)
+    points = valve_estimate.points(session, high)
+    c_r = valve_estimate.resistance(points, low)
     order = np.argsort(points.voltage)
     volts, c_r = points.voltage[order], c_r[order]
     section = f"{session.own_axis}.valve" if session.own_axis else "valve"
-    one, _ = valve_characteristic.flows(valve_at(machine, section), points)
+    one, _ = valve_estimate.flows(valve_at(machine, section), points)
     law = np.where(one != 0.0, points.drop_1 / np.maximum(one**2, 1e-30), math.nan)[order]
     axes.semilogy(volts, c_r, ".", label="read", **MEASURED)
     axes.semilogy(volts, np.where(law < 1e18, law, math.nan), label="law", **FITTED)
-    coefficients = valve_characteristic.polynomial(volts, c_r)
+    coefficients = valve_estimate.polynomial(volts, c_r)
     seen = np.isfinite(c_r)
     if np.all(np.isfinite(coefficients)):
         curve = np.polynomial.polynomial.polyval(np.abs(volts[seen]), coefficients)

@@ -9,7 +9,7 @@ from forest_bag.plots.standard_plots import finish_axes, new_figure, widen
 from forest_description.machine import Machine
 from forest_description.types import AXES, Floats, Vec3
 from forest_sim.equations.plant import AxisState
-from forest_sim.simulation.load import Loads
+from forest_sim.simulation.load_schedule import Loads
 from forest_sim.simulation.open_loop import Run, whole
 from forest_sim.simulation.voltage_profiles import Voltages
 from forest_sim.solver.state_recording import STATE

@@ -32,7 +32,7 @@ from forest_sim.equations.plant_parameters import plant_parameters
 from forest_sim.sensors.sensor_readings import deflections, true_joints
 from forest_sim.simulation.disturbance import UNDISTURBED, Disturbance
 from forest_sim.simulation.energy_account import account
-from forest_sim.simulation.load import Loads
+from forest_sim.simulation.load_schedule import Loads
 from forest_sim.simulation.open_loop import (
     Run,
     RunError,

@@ -20,7 +20,7 @@ from forest_description.types import AXES, Vec3
 from forest_msgs_py.runtime import command_line
 from forest_msgs_py.runtime.command_line import Command, Subcommands, number, subcommand, whole
 from forest_sim.simulation import voltage_profiles
-from forest_sim.simulation.load import Loads, parse_loads
+from forest_sim.simulation.load_schedule import Loads, parse_loads
 from forest_sim.simulation.open_loop import Run, RunError, require_within_limits, start_angles
 from forest_sim.simulation.voltage_profiles import InputError, Voltages
 

@@ -22,7 +22,7 @@ from forest_msgs_py.interfaces.topics import JOINT_STATE, Topic, columns
 from forest_sim.sensors.sensor_run import KERNEL as SENSORS
 from forest_sim.sensors.sensor_suite import sensor_suite
 from forest_sim.simulation.disturbance import parse_disturbance
-from forest_sim.simulation.load import checked_load, own_load
+from forest_sim.simulation.load_schedule import checked_load, own_load
 from forest_sim.simulation.open_loop import RunError, require_within_limits
 from forest_sim.simulation.sensor_log import SIMULATED_TOPICS, further_topics, topic_values
 from forest_sim.simulation.simulated_machine import STEP, SimulatedMachine

@@ -4,7 +4,7 @@ import threading
 from collections.abc import Callable
 from typing import Any
 
-from forest_sim.simulation.load import Load
+from forest_sim.simulation.load_schedule import Load
 from forest_sim.simulation.simulated_machine import SimulatedMachine
 
 Answer = tuple[bool, str]

@@ -9,7 +9,7 @@ from forest_msgs_py.runtime.parameter_table import Parameter, ParameterError, tu
 from forest_sim.sensors.sensor_faults import parse_faults
 from forest_sim.sensors.sensor_suite import calibrated, sensor_suite
 from forest_sim.simulation.disturbance import parse_disturbance
-from forest_sim.simulation.load import GREATEST_LENGTH, GREATEST_MASS, LOG_LENGTH, parse_loads
+from forest_sim.simulation.load_schedule import GREATEST_LENGTH, GREATEST_MASS, LOG_LENGTH, parse_loads
 from forest_sim.simulation.simulated_machine import SimulatedMachine
 
 

@@ -3,7 +3,7 @@
 from forest_description.machine import Machine
 from forest_sim.equations.plant_parameters import PlantParameters, plant_parameters
 from forest_sim.simulation.disturbance import UNDISTURBED, Disturbance, disturbed
-from forest_sim.simulation.load import Load, loaded, own_load
+from forest_sim.simulation.load_schedule import Load, loaded, own_load
 from forest_sim.solver.integrator import Simulation
 from forest_sim.solver.load_change import LoadChange, changed_load
 from forest_sim.solver.oil_temperature import parameters_at

@@ -22,7 +22,7 @@ from forest_description.machine import Machine
 from forest_description.types import AXES, Floats, Vec3
 from forest_sim.equations.plant_parameters import plant_parameters
 from forest_sim.simulation.energy_account import account
-from forest_sim.simulation.load import Load, loaded
+from forest_sim.simulation.load_schedule import Load, loaded
 from forest_sim.simulation.open_loop import Block
 from forest_sim.solver.load_change import link_energy
 from forest_sim.solver.state_recording import ENERGY, STATE, restore

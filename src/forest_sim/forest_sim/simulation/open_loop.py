@@ -19,7 +19,7 @@ from forest_sim.equations.plant_parameters import PlantParameters
 from forest_sim.simulation.changing_plant import ChangingPlant
 from forest_sim.simulation.disturbance import UNDISTURBED, Disturbance
 from forest_sim.simulation.energy_account import dissipated_energy
-from forest_sim.simulation.load import Load, Loads, by_period
+from forest_sim.simulation.load_schedule import Load, Loads, by_period
 from forest_sim.simulation.voltage_profiles import Voltages
 from forest_sim.solver import step_schedule
 from forest_sim.solver.compiled_plant import Record, fastest_record

@@ -15,7 +15,7 @@ from forest_sim.sensors.sensor_run import SensorRun
 from forest_sim.sensors.sensor_suite import Suite
 from forest_sim.simulation.changing_plant import ChangingPlant
 from forest_sim.simulation.disturbance import Disturbance
-from forest_sim.simulation.load import Load, Loads, by_period
+from forest_sim.simulation.load_schedule import Load, Loads, by_period
 from forest_sim.solver.compiled_plant import ready_advance
 from forest_sim.solver.equilibrium import equilibrium
 from forest_sim.solver.integrator import Events, advance

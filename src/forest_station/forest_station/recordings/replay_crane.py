@@ -15,8 +15,8 @@ from forest_description.machine import Machine, load_machine
 from forest_description.types import AXES
 from forest_description.urdf.robot_description import robot_description
 from forest_station.scene.crane_signals import CRANE_JOINTS, crane_signals, signal_of
-from forest_station.scene.elements import Scene
 from forest_station.scene.scene_description import scene_from_urdf, scene_of
+from forest_station.scene.scene_elements import Scene
 
 NO_CRANE = (ValueError, LookupError, ArithmeticError, TypeError)  # what is raised over a text of anybody's
 

@@ -1,7 +1,7 @@
 """The walls of the controller's workspace file, as the page draws them."""
 
 from forest_control.limits.workspace import BOX, CYLINDER, PLANE, Wall, Workspace
-from forest_station.scene.elements import BoxWall, CylinderWall, DrawnWall, PlaneWall
+from forest_station.scene.scene_elements import BoxWall, CylinderWall, DrawnWall, PlaneWall
 
 
 def drawn_walls(workspace: Workspace) -> list[DrawnWall]:

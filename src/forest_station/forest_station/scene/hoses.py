@@ -5,7 +5,7 @@ hoses follow the boom.
 """
 
 from forest_description.types import AXES
-from forest_station.scene.elements import FlowSignal, Hose, HosePoint, Joint, Visual
+from forest_station.scene.scene_elements import FlowSignal, Hose, HosePoint, Joint, Visual
 
 FULL_FLOW = 2e-3  # [m^3/s] of a port at full speed, about; for the look of the dashes only
 FULL_SPEED = {"swing": 150.0, "boom": 0.15, "stick": 0.15}  # [rad/s] of the motor, [m/s] of a cylinder

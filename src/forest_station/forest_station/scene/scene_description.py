@@ -4,8 +4,8 @@ from forest_control.limits.workspace import OPEN, Workspace
 from forest_description.machine import Machine
 from forest_description.urdf.robot_description import robot_description
 from forest_station.scene.drawn_walls import drawn_walls, ground_of
-from forest_station.scene.elements import Scene
 from forest_station.scene.hoses import hoses_of
+from forest_station.scene.scene_elements import Scene
 from forest_station.scene.surroundings import surroundings
 from forest_station.scene.urdf_tree import joints_of, links_of, robot_of
 from forest_station.scene.work_area import work_area

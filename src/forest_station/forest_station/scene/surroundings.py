@@ -5,7 +5,7 @@ All of it is assumed. It gives a person scale, horizon and direction.
 
 import math
 
-from forest_station.scene.elements import Thing
+from forest_station.scene.scene_elements import Thing
 
 TREES = 90
 CLEARING = 2.7  # radius without trees, per reach: none stands between a camera and the crane

@@ -8,7 +8,7 @@ import numpy as np
 
 from forest_description.types import AXES, Floats
 from forest_msgs_py.interfaces import topics
-from forest_station.scene.elements import Joint, Mimic, Visual
+from forest_station.scene.scene_elements import Joint, Mimic, Visual
 
 MOVING = ("revolute", "continuous", "prismatic")
 BASE = "base_link"

@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 
-from forest_station.scene.elements import Joint, WorkArea
+from forest_station.scene.scene_elements import Joint, WorkArea
 from forest_station.scene.urdf_tree import TIP, SceneError, frames
 
 STEPS = 24  # of an edge of the outline: its chords stay within a centimetre of the arcs

@@ -8,7 +8,7 @@ from aiohttp import web
 
 from forest_station.server import bag_pages, cycle_pages
 from forest_station.server.requests import Request
-from forest_station.server.station import Station
+from forest_station.server.server_state import Station
 
 
 class Addition(NamedTuple):

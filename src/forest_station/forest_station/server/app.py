@@ -13,15 +13,15 @@ from forest_control.config.setting_file import SettingFileError
 from forest_control.config.workspace_file import load_workspace
 from forest_control.limits.workspace import OPEN
 from forest_station.graph.crane_graph import CraneGraph
-from forest_station.scene.elements import Scene
 from forest_station.scene.scene_description import scene_of
+from forest_station.scene.scene_elements import Scene
 from forest_station.server.access import Access
 from forest_station.server.additions import ADDITIONS
 from forest_station.server.entrance import Entrance
 from forest_station.server.gate import gate
 from forest_station.server.page_socket import PageSocket
 from forest_station.server.requests import REQUESTS
-from forest_station.server.station import Station
+from forest_station.server.server_state import Station
 
 WEB = Path(str(importlib.resources.files("forest_station") / "web"))
 FRAME_PERIOD = 1.0 / 30.0  # [s]

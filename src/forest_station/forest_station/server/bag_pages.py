@@ -9,7 +9,7 @@ from aiohttp import web
 
 from forest_bag.storage.bag_files import BagError
 from forest_station.server.requests import Refused, Request
-from forest_station.server.station import Station
+from forest_station.server.server_state import Station
 
 PERIOD = 1.0  # [s] between two words on how a recording is going
 LONGEST_MARK = 200  # letters

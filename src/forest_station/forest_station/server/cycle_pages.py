@@ -17,7 +17,7 @@ from forest_control.taught.taught_work import TEACHES
 from forest_station.graph.service_calls import NoAnswer
 from forest_station.scene.drawn_cycle import DrawnCycle, drawn_cycle
 from forest_station.server.requests import Refused, Request
-from forest_station.server.station import Station
+from forest_station.server.server_state import Station
 
 LONGEST = 60  # letters of a segment's name
 DRAWN = 8  # cycles that are kept as they were drawn: to plan one takes a tenth of a second

@@ -10,7 +10,7 @@ from aiohttp import WSMsgType, web
 
 from forest_station.server.outbox import Outbox
 from forest_station.server.requests import Request, answered, read_request
-from forest_station.server.station import Station
+from forest_station.server.server_state import Station
 
 LARGEST = 16384  # [bytes] of a message of a page
 SEND_BUFFER = 32768  # [bytes] what the system keeps for a page that does not read

@@ -12,7 +12,7 @@ from forest_station.graph.service_calls import NoAnswer
 from forest_station.server.driving import STOPPED
 
 if TYPE_CHECKING:
-    from forest_station.server.station import Station
+    from forest_station.server.server_state import Station
 
 
 GRAPPLE = ("grasp", "drop")

@@ -20,7 +20,7 @@ from forest_description.machine import Machine
 from forest_description.types import Floats, Vec3
 from forest_msgs_py.types import PERIOD
 from forest_sim.equations.plant_parameters import PlantParameters, plant_parameters
-from forest_sim.simulation.load import Load, loaded
+from forest_sim.simulation.load_schedule import Load, loaded
 from forest_study.ablation.constants import Settings
 from forest_study.ablation.pushes import activity, pushed
 from forest_study.closed_loop import compiled_loop, model_mismatch

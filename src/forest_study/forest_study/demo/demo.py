@@ -33,7 +33,7 @@ from forest_description.machine import load_machine
 from forest_description.types import AXES
 from forest_msgs_py.runtime.command_line import StatusLine, number
 from forest_msgs_py.types import PERIOD
-from forest_sim.simulation.load import parse_loads
+from forest_sim.simulation.load_schedule import parse_loads
 from forest_study.results import write_json
 
 LISTENERS = 2  # controller and recorder: the bag holds the session from its first joystick sample

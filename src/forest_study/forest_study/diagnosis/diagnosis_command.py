@@ -3,7 +3,7 @@
 import argparse
 from pathlib import Path
 
-from forest_study.diagnosis.report import draw, report, rows_of, table
+from forest_study.diagnosis.diagnosis_report import draw, report, rows_of, table
 from forest_study.results import new_directory, write_json
 
 

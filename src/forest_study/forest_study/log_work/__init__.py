@@ -11,7 +11,7 @@ In the order in which data passes:
 - `taught`: The task as a taught cycle that is played.
 - `trial`: The task done once.
 - `clearance`: How near crane and log come to ground, bunk and stakes; contacts.
-- `measures`: The figures of a trial.
+- `trial_measures`: The figures of a trial.
 
 May import: `closed_loop`, `tracking`, `results`.
 """

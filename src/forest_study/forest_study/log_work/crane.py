@@ -23,7 +23,7 @@ from forest_description.machine import Machine
 from forest_description.types import Floats, Vec3
 from forest_msgs_py.types import PERIOD
 from forest_sim.equations.plant_parameters import PlantParameters, plant_parameters
-from forest_sim.simulation.load import Load, loaded
+from forest_sim.simulation.load_schedule import Load, loaded
 from forest_sim.solver.compiled_plant import compiled_record
 from forest_sim.solver.integrator import Simulation
 from forest_sim.solver.state_recording import ENERGY, STATE

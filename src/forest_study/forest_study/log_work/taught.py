@@ -19,7 +19,7 @@ from forest_control.taught.player import Phase
 from forest_description.machine import Machine
 from forest_description.types import Floats, Vec3
 from forest_sim.equations.plant_parameters import plant_parameters
-from forest_sim.simulation.load import Load, loaded
+from forest_sim.simulation.load_schedule import Load, loaded
 from forest_study.closed_loop.closed_loop import Operator
 from forest_study.log_work.crane import LOOK, Piece, Seen, engine_work, grip_of, settings_of
 from forest_study.log_work.person import Person

@@ -13,7 +13,7 @@ from forest_description.derived.limits import joint_limits
 from forest_description.geometry.kinematics import inverse_kinematics
 from forest_description.machine import Machine
 from forest_description.types import Floats, Vec3
-from forest_sim.simulation.load import Load
+from forest_sim.simulation.load_schedule import Load
 from forest_study.log_work import taught
 from forest_study.log_work.crane import Crane, Seen, grip_of
 from forest_study.log_work.manual_control import ManualControl

@@ -2,8 +2,8 @@
 
 - `statistics`: Means and paired differences, with their intervals.
 - `tables`: The runs as tables.
-- `report`: The page for people: what tip control would bring a crane.
-- `recorded`: A person's run, from a bag.
+- `logs_report`: The page for people: what tip control would bring a crane.
+- `recorded_logs`: A person's run, from a bag.
 - `logs_command`: `forest-study logs`.
 
 May import: `sweep`, `log_work`, `results`.

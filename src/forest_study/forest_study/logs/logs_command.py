@@ -7,9 +7,9 @@ from typing import Any
 
 from forest_description.machine import load_machine
 from forest_msgs_py.runtime.command_line import number, whole
-from forest_study.log_work import measures
+from forest_study.log_work import trial_measures
 from forest_study.log_work.crane import MODES
-from forest_study.logs import recorded, report, tables
+from forest_study.logs import logs_report, recorded_logs, tables
 from forest_study.results import StudyError, new_directory, write_json
 from forest_study.sweep.store import Store
 from forest_study.sweep.study import study_of
@@ -54,15 +54,15 @@ def run(options: argparse.Namespace) -> int:
     print(text)
     machine, operators = load_machine(options.machine), _each(options.operator)
     page = options.out / "logs.html"
-    report.write(page, machine, operators, options.seeds, found, _made(options))
+    logs_report.write(page, machine, operators, options.seeds, found, _made(options))
     print(f"  {page}")
     return 1 if any(n for group in found for n in group.failed.values()) else 0
 
 
 def _judge(options: argparse.Namespace) -> int:
     """Tell the figures of a person's run."""
-    run = recorded.read(options.bag, load_machine(options.machine))
-    told = measures.figures(run.work)
+    run = recorded_logs.read(options.bag, load_machine(options.machine))
+    told = trial_measures.figures(run.work)
     new_directory(options.out)
     write_json(options.out / "live.json", {"bag": str(options.bag), "figures": told, "misses_m": run.misses})
     print("| figure | person |\n|---|---|")

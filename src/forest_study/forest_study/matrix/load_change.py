@@ -9,7 +9,7 @@ from forest_description.types import Floats
 from forest_msgs_py.types import PERIOD
 from forest_sim.equations.plant_parameters import PlantParameters
 from forest_sim.sensors.sensor_suite import Suite
-from forest_sim.simulation.load import Load, loaded
+from forest_sim.simulation.load_schedule import Load, loaded
 from forest_study.closed_loop import compiled_loop
 from forest_study.closed_loop.closed_loop import Trajectory
 from forest_study.matrix.figures import Figures

@@ -15,10 +15,10 @@ from forest_control.valve import valve_driver_parameters
 from forest_description.machine import Machine, load_machine
 from forest_msgs_py.runtime.parameter_table import Parameter
 from forest_study.closed_loop import model_mismatch
+from forest_study.diagnosis.detection_figures import diagnosed
 from forest_study.diagnosis.faults import CASES, HEALTH
-from forest_study.diagnosis.figures import diagnosed
 from forest_study.latency import placing
-from forest_study.log_work import crane, measures, person, site, trial
+from forest_study.log_work import crane, person, site, trial, trial_measures
 from forest_study.sweep.changes import changed_machine, changed_settings
 from forest_study.tracking.paths import path_named
 from forest_study.tracking.tracking import Course, follow, noisy, prepare
@@ -124,7 +124,7 @@ def placed(case: Case, seed: int) -> Figures:
 
 
 def watched(case: Case, seed: int) -> Figures:
-    """Return what the monitor found: `diagnosis.figures`.
+    """Return what the monitor found: `diagnosis.detection_figures`.
 
     Raises:
         MachineError: the machine cannot be.
@@ -150,7 +150,7 @@ def _machine(name: str, case: Case, prefixes: tuple[str, ...]) -> Machine:
 
 
 def logged(case: Case, seed: int) -> Figures:
-    """Return how a seed's person does the task: `measures.figures`.
+    """Return how a seed's person does the task: `trial_measures.figures`.
 
     With `against`, `saved`, `saved_loading` and `saved_unloading` are shares of that mode's time.
 
@@ -161,10 +161,10 @@ def logged(case: Case, seed: int) -> Figures:
     keys = LogsKeys(**_own(case))
     machine = _machine(keys.machine, case, ("machine",))
     operator = person.drawn(person.read_person(keys.operator, _under(case, "operator")), seed)
-    told = measures.figures(trial.work(machine, keys.mode, operator, keys.trip, seed))
+    told = trial_measures.figures(trial.work(machine, keys.mode, operator, keys.trip, seed))
     if keys.against == "none":
         return told
-    other = measures.figures(trial.work(machine, keys.against, operator, keys.trip, seed))
+    other = trial_measures.figures(trial.work(machine, keys.against, operator, keys.trip, seed))
     names = {"time": "saved", "loading": "saved_loading", "unloading": "saved_unloading"}
     return told | {saved: 1.0 - told[name] / other[name] for name, saved in names.items()}
 

@@ -11,9 +11,9 @@ from forest_ident.diagnosis import monitor_readings, residual_limits, residuals
 from forest_ident.diagnosis.findings import Alarms, findings, out_from_the_start
 from forest_ident.diagnosis.sequential_test import HIGHEST
 from forest_ident.diagnosis.signatures import CAUSES, MACHINE_FILE
+from forest_study.diagnosis.diagnosis_trial import Run, begins_at, monitored
 from forest_study.diagnosis.faults import HEALTH, injected, right_causes
 from forest_study.diagnosis.monitored_loop import FROZEN, MISSING, SENSORS
-from forest_study.diagnosis.trial import Run, begins_at, monitored
 
 TOLD = (*(cause.name for cause in CAUSES), MACHINE_FILE.name, "frozen", "missing")
 CERTAIN = HIGHEST  # score of a sensor that is frozen or missing

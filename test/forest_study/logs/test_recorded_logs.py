@@ -12,11 +12,11 @@ from forest_control.operator.levers import axes_from_levers
 from forest_description.machine import load_machine
 from forest_msgs_py.interfaces import topics
 from forest_study.cli import main
-from forest_study.log_work import measures, trial
+from forest_study.log_work import trial, trial_measures
 from forest_study.log_work.person import read_person
 from forest_study.log_work.task import ACROSS, DOWN, HOLD, UP
 from forest_study.log_work.work import LOOK_TIME
-from forest_study.logs.recorded import recorded
+from forest_study.logs.recorded_logs import recorded
 from forest_study.results import StudyError
 
 MACHINE = load_machine("forwarder")
@@ -59,7 +59,7 @@ def _bag(work, acts=8, late=0):
 
 def test_a_recorded_run_has_the_figures_of_the_trial(done):
     run = recorded(_bag(done), MACHINE)
-    found, expected = measures.figures(run.work), measures.figures(done)
+    found, expected = trial_measures.figures(run.work), trial_measures.figures(done)
     before = LOOK_TIME * np.flatnonzero(done.loaded)[0]  # the first grasp begins the recorded task
     assert found["time"] == pytest.approx(expected["time"] - before, abs=1.0)
     assert found["unloading"] == pytest.approx(expected["unloading"], abs=1.0)

@@ -8,8 +8,8 @@ from typing import Any, NamedTuple
 import numpy as np
 import scipy  # its `stats` takes a second to load: only where it is used
 
+from forest_study.diagnosis.detection_figures import TOLD
 from forest_study.diagnosis.faults import CASES, FAULTS, HEALTH, SEVERITIES
-from forest_study.diagnosis.figures import TOLD
 from forest_study.results import StudyError
 
 Row = Mapping[str, Any]

@@ -13,7 +13,7 @@ from forest_sim.equations.plant_parameters import plant_parameters
 from forest_sim.sensors.sensor_suite import EXACT_SUITE
 from forest_sim.simulation.energy_account import account, unaccounted, with_stored_energy
 from forest_sim.simulation.link_account import LinkBalance
-from forest_sim.simulation.load import Load, LoadEvent, own_load, parse_loads
+from forest_sim.simulation.load_schedule import Load, LoadEvent, own_load, parse_loads
 from forest_sim.simulation.open_loop import Run, whole
 from forest_sim.simulation.sensor_log import SensorLog
 from forest_sim.simulation.simulated_machine import SimulatedMachine

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from forest_description.machine import load_machine
-from forest_ident.estimators.linkage import pivots
+from forest_ident.estimators.linkage_estimate import pivots
 from forest_ident.measurements.readings import length_and_arm
 from forest_ident.measurements.session import Session
 from forest_ident.refinement.identification import identify

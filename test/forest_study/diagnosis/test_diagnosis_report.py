@@ -3,8 +3,8 @@ import json
 import pytest
 
 from forest_study import cli
-from forest_study.diagnosis.figures import TOLD
-from forest_study.diagnosis.report import per_hour, report, share, table
+from forest_study.diagnosis.detection_figures import TOLD
+from forest_study.diagnosis.diagnosis_report import per_hour, report, share, table
 
 parquet = pytest.importorskip("pyarrow.parquet")
 import pyarrow

@@ -12,7 +12,7 @@ from forest_ident.diagnosis import monitor, residual_limits, residual_parameters
 from forest_msgs_py.types import PERIOD
 from forest_sim.equations.plant_parameters import PlantParameters
 from forest_sim.sensors.sensor_readings import Surroundings
-from forest_sim.simulation.load import Load, loaded
+from forest_sim.simulation.load_schedule import Load, loaded
 from forest_sim.solver.load_change import changed_load
 from forest_study.closed_loop import loop_kernel, model_mismatch
 from forest_study.closed_loop.loop_core import Knowledge, Loop
