@@ -10,7 +10,7 @@ from forest_control.valve import valve_adaptation as adaptation
 from forest_control.valve import valve_driver_parameters
 from forest_control.valve.valve_adaptation import NO_ESTIMATE, updated_estimate
 from forest_control.valve.valve_driver_parameters import Settings
-from forest_control.valve.valve_flow import AxisMeasurement, Yielding, opening_from_flow
+from forest_control.valve.valve_flow import AxisMeasurement, Yielding, opening_from_flow, opening_variance
 from forest_description.hydraulics.valve_characteristic import TABLE, Curve, Direction, ValveLaw, edges
 from forest_description.machine import load_machine
 
@@ -252,3 +252,32 @@ def test_the_oil_of_the_chambers_counts_as_flow(axis):
     share /= share + law.forward.resistance_2 * flow.displacement_2**3
     assert y.opening == pytest.approx(share * other.opening, rel=1e-6)
     assert y.opening > 0.0
+
+
+@pytest.mark.parametrize("every", [1, 4])
+def test_the_flow_is_as_noisy_as_is_told_however_long_a_sample_is_held(every):
+    """Sensors of 50 Hz are held over four periods: their noise has four times the power below 10 Hz."""
+    rng, learner, position, seen = np.random.default_rng(3), NO_ESTIMATE, 0.0, []
+    flow = BOOM.flow._replace(position_noise=2e-4)
+    for k in range(8000):
+        position = 2e-4 * rng.standard_normal() if k % every == 0 else position
+        sample = AxisMeasurement(position, 8e6, 5e6, 8e6, 5e6, SUPPLY, 0.0)
+        learner = updated_estimate(learner, sample, FILE, flow, P.adaptation, PERIOD)
+        seen.append(learner.low.opening_2)
+    told = math.sqrt(opening_variance(learner.low, flow, every * PERIOD))
+    assert np.std(seen[200:]) == pytest.approx(told, rel=0.1)
+
+
+def test_while_the_gear_is_in_its_play_nothing_is_learnt():
+    """The joint rocks with a still motor, and the motor turns under a still joint."""
+    real = valve_driver_parameters.parameters(load_machine("c180"), Settings())
+    flow, law_0 = real.flows[0], real.axes[0].valve
+    assert flow.play_torque > 0.0
+    for pressed, teaches in ((0.1e6, False), (2.0e6, True)):
+        learner, rng = NO_ESTIMATE, np.random.default_rng(1)
+        for _ in range(300):
+            seen = AxisMeasurement(
+                2e-4 * rng.standard_normal(), 8e6 + pressed, 8e6, 8e6 + pressed, 8e6, SUPPLY, 1.5
+            )
+            learner = updated_estimate(learner, seen, law_0, flow, P.adaptation, PERIOD)
+        assert (learner.forward != NO_ESTIMATE.forward) == teaches
