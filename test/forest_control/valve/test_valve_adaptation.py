@@ -281,3 +281,29 @@ def test_while_the_gear_is_in_its_play_nothing_is_learnt():
             )
             learner = updated_estimate(learner, seen, law_0, flow, P.adaptation, PERIOD)
         assert (learner.forward != NO_ESTIMATE.forward) == teaches
+
+
+def test_a_position_that_reads_the_same_beside_fresh_pressures_is_a_new_sample():
+    """A converter's step is coarser than the noise of a cylinder at rest."""
+    learner = NO_ESTIMATE
+    for k in range(8):
+        seen = AxisMeasurement(1.0, 8e6, 5e6, 8e6 + k, 5e6, SUPPLY, 0.0)
+        learner = updated_estimate(learner, seen, FILE, BOOM.flow, P.adaptation, PERIOD)
+        assert learner.since.time == 0.0
+    learner = updated_estimate(learner, seen, FILE, BOOM.flow, P.adaptation, PERIOD)
+    assert learner.since.time == PERIOD
+
+
+def test_a_search_goes_little_beyond_the_edge():
+    """It waits once a flow shows by two standard deviations, long before one by four is certain."""
+    tops = []
+    for seed in range(10):
+        found = []
+
+        def just_beyond(learner, found=found):
+            found.append(learner.forward.deadband)
+            return 1.05 + learner.forward.deadband
+
+        run(SWING, law((0.15, 1.0)), [just_beyond] * 300, noise=2e-4, seed=seed)
+        tops.append(max(found))
+    assert 0.15 < np.mean(tops) < 0.176

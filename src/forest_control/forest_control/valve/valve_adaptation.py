@@ -39,6 +39,7 @@ from forest_control.valve.valve_flow import (
     LowPassed,
     correlated_samples,
     gathered,
+    is_held,
     low_passed,
     opening_from_flow,
     opening_variance,
@@ -119,7 +120,7 @@ def updated_estimate(
     edge, known = (law.forward, forward) if late > 0.0 else (law.backward, backward)
     excess, unsure = abs(late) - edge.deadband_voltage, deadband_spread(known)
     since = gathered(estimate.since, late, excess, known.deadband, unsure, dt)
-    if sample.position == estimate.last.position and since.time < HELD:
+    if is_held(sample, estimate.last) and since.time < HELD:
         return estimate._replace(since=since, late=late)
     seen = sample._replace(spool=late)
     flowing = opening_from_flow(estimate.last, seen, law, flow, since.time)

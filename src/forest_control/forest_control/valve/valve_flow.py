@@ -19,7 +19,7 @@ from forest_description.hydraulics.valve_characteristic import ValveLaw
 BANDWIDTH = (
     2.0 * math.pi * 10.0
 )  # [rad/s] of both stages of the low-pass, 10 Hz; chosen: a jump must be learnt in time
-HELD = 0.05  # [s] within which a position that reads the same is a sample held, not a new one; chosen
+HELD = 0.05  # [s] for which a sample is held at the most; chosen
 SURELY = 3.0  # [1] standard deviations of an overlap's edge, within which a valve is surely shut
 EMPTY = 1e5  # [Pa] port pressure below which anti-cavitation checks may feed it past the valve
 ABOVE_SUPPLY = 1.1  # [1] of the supply pressure: above, a port's relief valve may open
@@ -102,6 +102,15 @@ class LowPassed(NamedTuple):
 NO_MEASUREMENT = AxisMeasurement(
     position=0.0, valve_1=0.0, valve_2=0.0, port_1=0.0, port_2=0.0, supply=0.0, spool=0.0
 )
+
+
+def is_held(sample: AxisMeasurement, last: AxisMeasurement) -> bool:
+    """Tell whether a sample is the last one held: no noise moved any of it.
+
+    The position alone may read the same again, for its converter's steps.
+    """
+    same = sample.position == last.position and sample.supply == last.supply
+    return same and sample.port_1 == last.port_1 and sample.port_2 == last.port_2
 
 
 def gathered(
