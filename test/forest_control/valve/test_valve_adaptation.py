@@ -143,7 +143,8 @@ def test_a_dead_valve_is_searched_no_further_than_allowed():
     assert learner.backward == NO_ESTIMATE.backward
 
 
-def test_a_shut_valve_whose_gain_is_at_its_end_is_opened_further_by_and_by():
+def test_a_shut_valve_that_is_thought_a_weak_one_is_opened_further_by_and_by():
+    """It lets nothing through, which no gain explains: the overlap is wider."""
     course = []
 
     def just_beyond(learner):
@@ -153,9 +154,9 @@ def test_a_shut_valve_whose_gain_is_at_its_end_is_opened_further_by_and_by():
     sure = adaptation.DirectionEstimate(stretch=0.8, p_dd=0.002, p_dk=-0.04, p_kk=1.0)
     learner = NO_ESTIMATE._replace(forward=sure)
     learner = run(SWING, law((0.3, 1.0)), [just_beyond] * 2000, noise=2e-4, learner=learner)
-    assert adaptation.gain(learner.forward) == pytest.approx(1.0 / P.adaptation.gain_range)
     assert min(course) > -0.01
-    assert course[-1] > 0.05
+    assert course[-1] > 0.15
+    assert adaptation.gain(learner.forward) > 0.6
 
 
 @pytest.mark.parametrize("volts", [[0.0] * 400, [0.9, -0.9] * 200], ids=["centred", "inside the overlap"])

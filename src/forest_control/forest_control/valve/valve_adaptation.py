@@ -20,8 +20,9 @@ are no error: behind it E = i d + (1 + k) x.
 The regressor holds x as expected from the voltage: the measured x is noisy, which would bias k
 downwards.
 
-A spool beyond the known deadband that moves nothing shows that the overlap is wider, but not how
-wide. So while the deadband is unsure, d goes up to where the spool stands: the servo takes it on.
+A flow that does not show above its noise may be none: the valve may be shut, and fits no line. Such an
+equation tells of the edge alone, d >= E - x, and asks k nothing. It takes d up to where the spool stands by
+and by, and the servo takes the spool on. How far the edge is beyond stays unknown.
 """
 
 import math
@@ -58,10 +59,12 @@ LEAST_SHARE = 0.3  # [1] of the low-pass' memory in which the spool must have be
 PURITY = 0.95  # [1] of that, in this one direction and measurable: directions must not mix
 MODEL_VOLTS = 0.005  # [V] standard deviation of the valve's law itself; chosen, not measured
 MODEL_SHARE = 0.02  # [1] the same as a share of x; chosen, not measured
-UNSURE = 0.25  # [1] of the deadband's first variance: above it, d is raised, as above; chosen
-CLEAR = 4.0  # [1] standard deviations that a flow, or its absence, must show: one in 16 000 by chance
-SEEN = 2.0  # [1] the same of a flow before which a search waits; chosen
-FINE = 0.35  # [1] of DEADBAND_SPREAD: a noisier flow cannot tell its absence; chosen
+CLEAR = 4.0  # [1] standard deviations by which a flow must show: one in 16 000 by chance
+STRONG = 8.0  # [1] the same of a flow that tells of the gain, too: chance must not choose it; chosen
+UNSEEN = (
+    0.25  # [1] of the deadband's first variance, left while no flow shows: the edge may be further; chosen
+)
+FINE = 0.35  # [1] of DEADBAND_SPREAD: in more noise hardly any flow would show; all count; chosen
 LAG_SPREAD = 0.006  # [s] by which a spool may be slower or quicker than its file says; chosen
 
 
@@ -196,15 +199,17 @@ def _update(
     leaking = spread(low, leakage)
     noise = span * math.sqrt(opening_variance(low, flow, dt) + leaking * leaking)
     late = LAG_SPREAD * BANDWIDTH * abs(low.excess_1 - low.excess_2)  # [V] the low-pass' own rate of change
-    if noise < FINE * DEADBAND_SPREAD and way.p_dd > UNSURE and x < CLEAR * noise:
-        searching = way.p_dd == 1.0 and way.deadband > 0.0
-        if x < SEEN * noise and (searching or expected - x > CLEAR * (noise + late)):
-            return way._replace(deadband=min(a.deadband_range, max(way.deadband, excess / share)))
-        return way
     model, slope = MODEL_VOLTS + MODEL_SHARE * abs(x), 1.0 + way.stretch
     variance = ((noise * noise + model * model) * slope * slope + late * late) * correlated_samples(dt)
     error = excess - share * way.deadband - (1.0 + way.stretch) * x
-    return _bounded(_least_squares(way, share, max(0.0, expected), error, variance, a, dt), edge, a)
+    if x >= STRONG * noise or noise >= FINE * DEADBAND_SPREAD:
+        return _bounded(_least_squares(way, share, max(0.0, expected), error, variance, a, dt), edge, a)
+    # What a spool that lags makes of a ramp is no edge.
+    beyond = math.copysign(max(0.0, abs(error) - CLEAR * late), error)
+    after = _least_squares(way, share, 0.0, beyond, variance, a, dt)
+    if x < CLEAR * noise:
+        after = after._replace(p_dd=max(after.p_dd, min(way.p_dd, UNSEEN)))
+    return _bounded(after, edge, a)
 
 
 def _least_squares(
