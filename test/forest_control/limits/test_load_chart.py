@@ -46,7 +46,7 @@ def test_the_chart_is_straight_between_its_points():
     assert told.reach == pytest.approx(6.5)
 
 
-TIPS = vectors(-7.0, 7.0).filter(lambda p: math.hypot(p[0], p[1]) > 0.01)
+TIPS = (vectors(-7.0, 7.0) | vectors(-0.7, 0.7)).filter(lambda p: math.hypot(p[0], p[1]) > 0.01)
 
 
 @given(TIPS, vectors(-1.0, 1.0), between(0.8, 1.2))
