@@ -16,6 +16,7 @@ import hypothesis.configuration
 from hypothesis import HealthCheck, settings
 from hypothesis import strategies as st
 from hypothesis.internal.conjecture import providers
+from hypothesis.stateful import run_state_machine_as_test
 
 ROOT = Path(__file__).resolve().parents[2]
 hypothesis.configuration.set_hypothesis_home_dir(ROOT / ".pytest_cache" / "hypothesis")
@@ -35,9 +36,7 @@ settings.register_profile(
 )
 settings.load_profile("suite")
 
-FINITE = st.floats(allow_nan=False, allow_infinity=False)
 ANY = st.floats() | st.sampled_from((math.nan, math.inf, -math.inf))
-WORDS = st.text(alphabet=" \t\n'\"#:-[]{}&*!|>%@`,.;0aZé²\u2028\U0001f332\0", max_size=12)
 
 
 def between(low: float, high: float) -> st.SearchStrategy[float]:
@@ -73,6 +72,4 @@ def spoilt(good: bytes, most: int = 5) -> st.SearchStrategy[bytes]:
 
 def holds(machine: Callable[..., Any], examples: int, steps: int) -> None:
     """Run a stateful machine by the suite's settings."""
-    from hypothesis.stateful import run_state_machine_as_test
-
     run_state_machine_as_test(machine, settings=settings(max_examples=examples, stateful_step_count=steps))
