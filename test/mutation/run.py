@@ -176,6 +176,7 @@ def main(generator: str, copy: str, *stems: str) -> int:
     """Print the survivors and the table; return 1 if a survivor is not explained."""
     root, rows, old = Path(copy).resolve(), [], []
     os.chdir(root)
+    os.environ["WITHOUT_PHASES"] = "shrink explain"  # of hypothesis: that a mutant dies is enough
     sys.modules["llvmlite"] = None  # type: ignore[assignment]
     sys.path[:0] = [str(path) for path in (root / "src").iterdir()]
     reasons: dict[str, Explained] = yaml.safe_load((HERE / "survivors.yaml").read_text("utf-8")) or {}

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from properties import vectors
+from properties import between, vectors
 from scipy.optimize import brentq
 
 from forest_control.limits.velocity_scaling import (
@@ -103,7 +103,10 @@ def test_backing_out_is_possible_from_everywhere(q, speed):
     assert governed.limit is not Limit.JOINT
 
 
-@given(vectors(-3.0, 3.0), vectors(-2.0, 2.0))
+INSIDE = st.tuples(*(between(low, high) for low, high in zip(P.lower, P.upper, strict=True)))
+
+
+@given(INSIDE | vectors(-3.0, 3.0), vectors(-2.0, 2.0))
 def test_from_everywhere_no_joint_is_faster_than_it_may_be_towards_a_limit_nor_than_its_rate(q, wished):
     factor = velocity_scaling(q, wished, P).factor
     assert 0.0 <= factor <= 1.0

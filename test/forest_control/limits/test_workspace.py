@@ -6,6 +6,7 @@ import math
 import numpy as np
 import pytest
 from hypothesis import given
+from hypothesis import strategies as st
 from properties import vectors
 
 from forest_control.config.setting_file import SettingFileError
@@ -59,6 +60,14 @@ def test_what_is_left_is_never_too_fast_and_what_leads_away_is_kept(p, wish):
     assert np.dot(left, left) <= np.dot(wish, wish) + 1e-9
     if all(np.dot(wish, clearance(p, wall).away) >= 0.0 for wall in EVERY):
         assert left == wish
+
+
+@given(vectors(-3.0, 3.0), vectors(-2.0, 2.0), st.sampled_from(EVERY))
+def test_of_one_wall_what_is_too_fast_towards_it_is_taken_away_and_nothing_else(p, wish, wall):
+    near = clearance(p, wall)
+    excess = max(0.0, -np.dot(wish, near.away) - max(0.0, 4.0 * near.distance))
+    left = np.add(wish, excess * np.array(near.away))
+    assert slide(p, wish, workspace(wall)) == pytest.approx(left, abs=2e-5)
 
 
 def test_along_a_wall_nothing_is_taken_away():

@@ -5,7 +5,7 @@ import math
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from properties import ANY, spoilt
+from properties import ANY, near, spoilt
 
 pytest.importorskip("rclpy")
 
@@ -27,6 +27,7 @@ from forest_msgs_py.serialization.unpacking import ArrayReader, JointReader, rea
 NAMES = st.lists(st.sampled_from([*topics.JOINTS, "elbow"]), max_size=5)
 NUMBERS = st.lists(ANY | st.floats(-1.0, 1.0), min_size=3, max_size=3) | st.lists(ANY, max_size=5)
 STAMPED = st.lists(st.floats(0.0, 9.0), min_size=5, max_size=5) | st.lists(ANY, max_size=7)
+THREE = near(-1.0, 1.0)
 ARRAY = to_cdr(float_array(topics.VALVE_COMMANDS, 5, (1.0, 2.0, 3.0)))
 JOINTS = to_cdr(joint_state(topics.JOINTS, 5, (0.1, 0.2, 0.3), (0.0, 0.1, 0.2), (1.0, 2.0, 3.0)))
 JOY = pack_joy(5, "heartbeat:1", JoyValues((0.5,) * 6, (0,) * 21))
@@ -66,7 +67,11 @@ def test_joysticks(axes, buttons):
     assert reading.problem or max(map(abs, reading.values.axes)) <= 1.0
 
 
-@given(spoilt(ARRAY), spoilt(JOINTS), spoilt(JOY))
+@given(
+    spoilt(ARRAY) | THREE.map(lambda values: to_cdr(float_array(topics.VALVE_COMMANDS, 5, values))),
+    spoilt(JOINTS) | THREE.map(lambda values: to_cdr(joint_state(topics.JOINTS, 5, values, values, values))),
+    spoilt(JOY),
+)
 def test_bytes_read_after_a_good_message_as_they_read_alone(array, joints, joy):
     """A reader that knows where the numbers stood must not find any where there are none."""
     arrays, alone = (ArrayReader(topics.VALVE_COMMANDS) for _ in range(2))

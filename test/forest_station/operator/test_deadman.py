@@ -110,6 +110,12 @@ def test_messages_that_come_late_one_by_one_hold_nothing():
     assert "slow" in text(page.deadman)
 
 
+def test_a_message_that_comes_late_does_not_hide_that_none_came():
+    page = Page().press()
+    message, heard = page.message(True), page.now + TIMEOUT + 0.01
+    assert heard_hands(page.deadman, message, heard, 0.02).state == State.WAITING
+
+
 def test_a_network_that_was_slow_from_the_beginning_is_found_by_its_round_trip():
     page = Page()
     states = [page.send(k % 2 == 1, way=0.3, round_trip=ROUND_TRIP) for k in range(20)]
@@ -228,6 +234,7 @@ class Judged(RuleBasedStateMachine):
             assert self.ready
             assert before.state != State.WAITING
             assert after.heartbeat < before.heartbeat + TIMEOUT
+            assert self.now - after.heartbeat < TIMEOUT
         self.page.deadman = after
         self.ready = after.state != State.WAITING
         if self.ready and before.state == State.WAITING:
