@@ -114,7 +114,7 @@ def prepare(
     settings = controller_settings.Settings(scheme=scheme, tip_speed=speed, position_source=source)
     runs = plan(path, speed, controller_settings.parameters(model, settings), laps)
     end = runs[-1].start + runs[-1].profile.duration + REST
-    places = _places(PERIOD * np.arange(round(end / PERIOD) + 1), runs)
+    places = _places(PERIOD * np.arange(round(end / PERIOD) + 1, dtype=np.float64), runs)
     return Course(tuple(map(drawn, runs)), settings, model, places, Hand(speed))
 
 
