@@ -12,7 +12,7 @@ input: its laws are algebraic, so they hold, and keep the power, at every instan
 changes.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -45,8 +45,8 @@ class StateEquations:
     inputs: tuple[Symbol, ...]
     parameters: tuple[Symbol, ...]
     derivatives: tuple[Expr, ...]
-    across: dict[str, Expr]
-    through: dict[str, Expr]
+    across: Mapping[str, Expr]
+    through: Mapping[str, Expr]
 
     def function(self, *expressions: Expr) -> Callable[..., Floats]:
         """Return f(states, inputs, parameters) for some expressions, by default the derivatives.
@@ -65,6 +65,29 @@ class StateEquations:
         return evaluate
 
 
+class TidyVariables(Mapping[str, Expr]):
+    """Variables by their branches' names, each tidied when it is first looked at: that takes longest.
+
+    Args:
+        variables: in terms of the primary ones.
+        known: the primary ones in states, inputs and parameters.
+    """
+
+    def __init__(self, variables: Mapping[str, Expr], known: Mapping[Symbol, Expr]) -> None:
+        self._variables, self._known, self._tidied = variables, known, dict[str, Expr]()
+
+    def __getitem__(self, name: str) -> Expr:
+        if name not in self._tidied:
+            self._tidied[name] = tidy(self._variables[name].xreplace(self._known))
+        return self._tidied[name]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._variables)
+
+    def __len__(self) -> int:
+        return len(self._variables)
+
+
 def state_equations(graph: LinearGraph) -> StateEquations:
     """Derive the state equations. Thesis eq. 3.7, 3.13 are what it gives for the thesis' circuits.
 
@@ -75,10 +98,7 @@ def state_equations(graph: LinearGraph) -> StateEquations:
     tree = normal_tree(graph)
     across, through = primary_variables(tree)
     known = _solved(tree, across, through)
-    across, through = (
-        {name: tidy(expression.xreplace(known)) for name, expression in variables.items()}
-        for variables in (across, through)
-    )
+    a, f = TidyVariables(across, known), TidyVariables(through, known)
     sources, modulated = graph.of(*SOURCES), [branch for branch in graph.branches if branch.modulated]
     constant = [b for b in graph.branches if b.kind not in SOURCES and not b.modulated]
     return StateEquations(
@@ -86,9 +106,9 @@ def state_equations(graph: LinearGraph) -> StateEquations:
         states=tuple(state_symbol(branch) for branch in tree.storages),
         inputs=tuple(_unique([*map(input_symbol, sources), *map(parameter_symbol, modulated)])),
         parameters=tuple(_unique([parameter_symbol(branch) for branch in constant])),
-        derivatives=tuple(storage_rate(b, across[b.name], through[b.name]) for b in tree.storages),
-        across=across,
-        through=through,
+        derivatives=tuple(storage_rate(b, a[b.name], f[b.name]) for b in tree.storages),
+        across=a,
+        through=f,
     )
 
 
