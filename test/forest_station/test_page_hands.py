@@ -281,6 +281,7 @@ def test_one_click_stops_and_a_refused_reset_tells_why(met: PageStandIn) -> None
     met.page.get_by_role("button", name="Reset").click()
     met.page.wait_for_selector("text=refused: the levers must be centred")
     met.tell_seat(driver="operator 2")
+    met.tell("emergency_stop", active=True, sources=sources)
     met.page.wait_for_selector("#emergency_stop button:disabled:text-is('Reset')")
     met.page.wait_for_selector("#message :text('until it is reset by who drives')")
 
@@ -384,18 +385,21 @@ def test_what_the_server_says_stands_in_the_way_is_shown(met: PageStandIn) -> No
     met.page.keyboard.up("Shift")
     met.page.clock.run_for(40)
     met.tell_seat(deadman=("ready", ""))
-    met.page.wait_for_selector("#message :text('Close other programs')")  # it is the second time
+    met.page.wait_for_selector(f"#message :text('{TOO_LATE} Hold the left Shift key')")
 
 
-PLACES = """() => ["#left", "#scene", "#right", "#bottom", "#message", ".stop", "#diagnostics + section", "#drawer-button"].map(
-  (name) => { const { x, y, width, height } = document.querySelector(name).getBoundingClientRect(); return [x, y, width, height]; })"""
+PARTS = ("#left", "#scene", "#right", "#bottom", ".stop", "#diagnostics + section", "#drawer-button")
+PLACES = """(parts) => [...parts, "#message"].map((name) => {
+  const { x, y, width, height } = document.querySelector(name).getBoundingClientRect();
+  return name === "#message" ? [y, height] : [x, y, width, height];  // beside it a reset may stand
+})"""
 
 
 @pytest.mark.parametrize("size", [(1280, 800), (900, 600), (390, 844)])
 def test_nothing_jumps_when_a_message_comes_or_goes(met: PageStandIn, size: tuple[int, int]) -> None:
     page, before = met.page, met.page.viewport_size
     page.set_viewport_size({"width": size[0], "height": size[1]})
-    places = page.evaluate(PLACES)
+    places = page.evaluate(PLACES, PARTS)
     sources = [{"name": name, "state": "stopped"} for name in ("controller", "valve_driver", "simulator")]
     part = {
         "name": "controller: joystick",
@@ -414,7 +418,7 @@ def test_nothing_jumps_when_a_message_comes_or_goes(met: PageStandIn, size: tupl
     ):
         act()
         page.clock.run_for(400)
-        assert page.evaluate(PLACES) == places
+        assert page.evaluate(PLACES, PARTS) == places
     met.tell("diagnostics", parts=[])
     page.set_viewport_size(before)
 
@@ -425,9 +429,9 @@ def test_a_page_without_a_connection_says_one_thing_that_can_be_read(met: PageSt
     width = met.page.evaluate("() => document.querySelector('#message p').getBoundingClientRect().width")
     assert width > 1000
     assert met.page.locator("text=Not connected").count() == 0
-    for _ in range(100):
+    for _ in range(50):
         met.page.clock.run_for(20)
-    met.page.wait_for_selector(".driver[data-drives=true]")
+    met.page.wait_for_selector("#message :text('Take the seat to drive.')")
 
 
 def test_a_stop_of_a_recording_shows_at_once_that_it_was_heard(met: PageStandIn) -> None:
@@ -460,10 +464,14 @@ def test_the_sticks_are_named_anew_with_the_scheme(met: PageStandIn) -> None:
             "choices": ["joint", "coordinated"],
         }
         met.tell("parameters", nodes={"controller": {"scheme": set_to}})
-        met.page.wait_for_selector(f"#left_stick .away:text('{words}')")
+        met.page.wait_for_selector(f"#left_stick .away span:text('{words}')")
 
 
 def test_a_page_that_is_late_rests_its_charts_and_says_so(met: PageStandIn) -> None:
+    met.page.keyboard.down("Shift")
+    wait(met, lambda hands: hands.held)
+    met.page.keyboard.up("Shift")  # what was told of the hands before is done with
+    wait(met, lambda hands: not hands.held)
     for _ in range(2):
         met.page.clock.fast_forward(60)
     met.page.wait_for_selector("body[data-relief='1']")
