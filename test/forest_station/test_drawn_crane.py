@@ -67,7 +67,6 @@ def loaded(mass: float, share: float) -> dict[str, float]:
         (Limit.SINGULARITY, {}, [], "singular pose"),
         (Limit.FLOW, {}, ["platform"], "pump flow: no more to give"),
         (Limit.WALL, {}, [], "wall: ground"),
-        (Limit.RELEASED, {}, [], "hold the deadman to drive"),
         (Limit.LOAD, loaded(900.0, 0.95), LOADED, "load: 95 % of what is allowed here"),
         (Limit.OVERLOAD, {}, ["log"], "overload: let go of the deadman, then put the load down"),
         (Limit.LATE, {}, [], "late link: slower"),
@@ -80,6 +79,12 @@ def test_what_holds_the_tip_back_lights_up_where_it_acts_and_has_a_name(
     found = drawn(js, others | {"controller/status/limit": limit})
     assert found["glowing"] == glowing
     assert found["labels"]["limit"]["text"] == named
+
+
+def test_that_the_deadman_is_released_is_no_label_of_the_live_crane_for_a_line_at_the_top_tells_it(
+    js: Js,
+) -> None:
+    assert "limit" not in drawn(js, {"controller/status/limit": Limit.RELEASED})["labels"]
 
 
 def test_a_valve_that_cannot_open_further_lights_its_cylinder(js: Js) -> None:
@@ -102,7 +107,7 @@ def test_links_are_drawn_ahead_of_their_joints_by_what_they_bend(js: Js) -> None
     angles = tuple(np.add(Q, bent))
     np.testing.assert_allclose(found["tip"], tip_position(angles, links), atol=1e-6)
     way = math.dist(tip_position(angles, links), tip_position(Q, links))
-    assert found["labels"]["bending"]["text"] == f"bends {100 * way:.0f} cm"
+    assert found["labels"]["bending"]["text"] == f"bent by {100 * way:.0f} cm"
     assert found["rigid"]
     still = drawn(js, {})
     np.testing.assert_allclose(still["tip"], tip_position(Q, links), atol=1e-6)

@@ -2,6 +2,7 @@
 
 import io
 import math
+import struct
 from collections.abc import Callable, Iterator
 from typing import Any
 
@@ -10,7 +11,7 @@ import pytest
 from browser import LOW, PHONE, new_page
 from page_stand_in import PageStandIn
 from PIL import Image
-from playwright.sync_api import Browser
+from playwright.sync_api import Browser, Route
 
 from forest_description.derived.limits import pose_at, start_tip
 from forest_description.machine import load_machine
@@ -18,6 +19,7 @@ from forest_description.types import AXES
 from forest_station.scene.scene_description import scene_of
 
 C180 = load_machine("c180_hoses")
+BAG = {"name": "mine", "bytes": 2000, "modified": 0, "seconds": 1.0}
 BACK = 3.0  # [px] within which a label is where it was
 STANDS = 200  # [px] of the beams' colour from which on a crane stands there
 AWAY = 20.0  # [px] from which on it is elsewhere
@@ -105,8 +107,8 @@ def apart(one: list[list[float]], other: list[list[float]]) -> float:
 
 
 def size(places: list[list[float]]) -> float:
-    """Return how far the labels are from each other [px]."""
-    return math.dist(*places)
+    """Return how far the labels are beside each other [px]; up and down they make room for each other."""
+    return abs(places[0][0] - places[1][0])
 
 
 @pytest.fixture(scope="module")
@@ -162,13 +164,14 @@ def test_a_square_that_is_marked_is_looked_at(desktop: Picture) -> None:
 
 def test_a_square_that_was_driven_stays_until_it_is_taken_away(desktop: Picture) -> None:
     page, (x, y, z) = desktop.page, start_tip(C180)
-    waits = "text=Edge 1 of 4 waits: with the sticks at rest, hold the left Shift key."
+    desktop.met.tell_seat(deadman=("ready", ""))
+    waits = "text=Edge 1 of 4 waits. Hold the left Shift key, then move a stick."
     page.wait_for_selector(waits)  # of the square that was marked before
     side, angles = 0.8, pose_at((x, y, z), C180)
     corners = ((0.0, 0.0), (side, 0.0), (side, side), (0.0, side), (0.0, 0.0))
     for number, (out, left) in enumerate(corners):
         desktop.met.send_frame(2 + number, 0.1 * number, [x + out, y + left, z, *angles])
-    page.wait_for_selector("text=0.0 cm beside the square on average, 0.0 cm at most.")
+    page.wait_for_selector("text=the tip was 0.0 cm from the edge on average, 0.0 cm at most.")
     assert page.locator("#scene[data-exercise]").count() == 1
     assert page.get_by_role("button", name="Mark another square").is_visible()
     page.get_by_role("button", name="Take the square away").click()
@@ -205,3 +208,35 @@ def test_two_fingers_pinched_go_away_and_moved_together_shift_the_picture(phone:
     farther = phone.settled()
     phone.move_fingers(((-30, 0), (-30, 50)), ((30, 0), (30, 50)))
     phone.wait(lambda places: all(y - was > AWAY for (_, y), (_, was) in zip(places, farther, strict=True)))
+
+
+def test_a_recording_and_the_live_crane_are_never_shown_for_each_other(desktop: Picture) -> None:
+    page, met = desktop.page, desktop.met
+    tip, angles = start_tip(C180), pose_at(start_tip(C180), C180)
+    signals = [list(one) for one in met.signals]
+    told = {"seconds": 1.0, "start": 0.0, "signals": signals, "events": [], "first": {}, "notes": []}
+    frames = b"".join(
+        struct.pack(f"<B3xId{len(signals)}f", 2, number, number / 30, *tip, *angles) for number in range(31)
+    )
+    page.route("**/bags.json", lambda route: route.fulfill(json=[BAG]))
+    page.route("**/bags/mine.json", lambda route: route.fulfill(json=told | {"scene": scene_of(C180)}))
+    waiting: list[Route] = []
+    page.route("**/bags/mine/frames?*", lambda route: waiting.append(route))
+    page.get_by_role("button", name="Read the list again").click()
+    page.get_by_role("button", name="Replay").click()
+    page.wait_for_selector("#replay .time:text('loading')")
+    page.get_by_role("button", name="Play the recording").click()
+    page.wait_for_selector("#scene[data-awaits=replay] canvas", state="hidden")
+    page.wait_for_timeout(300)
+    assert page.locator("#replay .time").inner_text() == "0.00 of 1.00 s, loading"  # its clock waits
+    waiting[0].fulfill(body=frames, content_type="application/octet-stream")
+    page.wait_for_selector("#scene:not([data-awaits]) canvas", state="visible")
+    page.wait_for_selector("#replay .time:text-is('1.00 of 1.00 s')")
+    page.get_by_role("button", name="Back to live").click()
+    page.wait_for_selector("#scene[data-awaits=live] canvas", state="hidden")
+    page.wait_for_timeout(300)
+    assert desktop.places() == []
+    assert page.locator("#scene[data-awaits=live]").count() == 1
+    met.send_frame(20, 2.0, [*tip, *angles])
+    page.wait_for_selector("#scene:not([data-awaits]) canvas", state="visible")
+    page.wait_for_selector("#scene .label.figure")

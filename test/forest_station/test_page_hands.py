@@ -9,6 +9,7 @@ from playwright.sync_api import Browser
 
 from forest_control.operator.levers import AXIS_COUNT, LEFT_SHOULDER, LEFT_X, LEFT_Y, RIGHT_Y
 from forest_msgs_py.interfaces.topics import JOY_AXES
+from forest_station.operator.deadman import TOO_LATE
 from forest_station.operator.hands_message import Hands
 
 RIGHT_X = JOY_AXES.index("right_x")
@@ -179,7 +180,7 @@ def test_a_page_that_hung_has_let_go(met: PageStandIn) -> None:
     wait(met, lambda hands: hands.held)
     met.page.clock.fast_forward(101)
     wait(met, lambda hands: not hands.held)
-    met.page.wait_for_selector("text=The page hung for")
+    met.page.wait_for_selector(f"#message :text('{TOO_LATE} Let go of the left Shift key.')")
     met.page.wait_for_selector(".deadman[data-state=pressed]")
     met.page.keyboard.up("Shift")
     met.page.clock.run_for(20)
@@ -280,7 +281,9 @@ def test_one_click_stops_and_a_refused_reset_tells_why(met: PageStandIn) -> None
     met.page.get_by_role("button", name="Reset").click()
     met.page.wait_for_selector("text=refused: the levers must be centred")
     met.tell_seat(driver="operator 2")
-    met.page.wait_for_selector("#emergency_stop button:disabled:text-is('Reset: take the seat')")
+    met.tell("emergency_stop", active=True, sources=sources)
+    met.page.wait_for_selector("#emergency_stop button:disabled:text-is('Reset')")
+    met.page.wait_for_selector("#message :text('until it is reset by who drives')")
 
 
 def test_a_reset_waits_until_the_deadman_is_let_go(met: PageStandIn) -> None:
@@ -299,7 +302,7 @@ def test_a_reset_waits_until_the_deadman_is_let_go(met: PageStandIn) -> None:
 
 
 def test_a_key_without_the_deadman_says_what_is_missing(met: PageStandIn) -> None:
-    missing = "Nothing moves without the deadman: let go of sticks and keys, then hold the left Shift key."
+    missing = "Let go of sticks and keys: nothing moves without the deadman."
     met.page.keyboard.down("w")
     met.page.clock.run_for(400)
     met.page.wait_for_selector(f"text={missing}")
@@ -369,10 +372,110 @@ def test_the_emergency_stop_is_in_sight_and_nothing_covers_it(
 
 def test_what_the_server_says_stands_in_the_way_is_shown(met: PageStandIn) -> None:
     met.tell_seat(why_not="Another node publishes /joy: /joystick.")
-    met.page.wait_for_selector("text=Another node publishes /joy: /joystick.")
+    met.page.wait_for_selector("#message :text('Another node publishes /joy: /joystick.')")
+    met.tell_seat(deadman=("ready", ""))
+    met.page.keyboard.down("Shift")
+    wait(met, lambda hands: hands.held)
     met.tell_seat(deadman=("held", "The deadman is held."))
     met.page.wait_for_selector(".deadman[data-state=held]")
-    met.tell_seat(deadman=("waiting", "Release the deadman and centre the sticks."))
-    met.page.keyboard.down("Shift")
+    met.tell_seat(cause=TOO_LATE)  # the server lets go: so does the page, and says so once
+    assert not wait(met, lambda hands: not hands.held).held
     met.page.wait_for_selector(".deadman[data-state=pressed]")
-    met.page.wait_for_selector("text=Release the deadman and centre the sticks.")
+    met.page.wait_for_selector("#message :text('Let go of the left Shift key.')")
+    met.page.keyboard.up("Shift")
+    met.page.clock.run_for(40)
+    met.tell_seat(deadman=("ready", ""))
+    met.page.wait_for_selector(f"#message :text('{TOO_LATE} Hold the left Shift key')")
+
+
+PARTS = ("#left", "#scene", "#right", "#bottom", ".stop", "#diagnostics + section", "#drawer-button")
+PLACES = """(parts) => [...parts, "#message"].map((name) => {
+  const { x, y, width, height } = document.querySelector(name).getBoundingClientRect();
+  return name === "#message" ? [y, height] : [x, y, width, height];  // beside it a reset may stand
+})"""
+
+
+@pytest.mark.parametrize("size", [(1280, 800), (900, 600), (390, 844)])
+def test_nothing_jumps_when_a_message_comes_or_goes(met: PageStandIn, size: tuple[int, int]) -> None:
+    page, before = met.page, met.page.viewport_size
+    page.set_viewport_size({"width": size[0], "height": size[1]})
+    places = page.evaluate(PLACES, PARTS)
+    sources = [{"name": name, "state": "stopped"} for name in ("controller", "valve_driver", "simulator")]
+    part = {
+        "name": "controller: joystick",
+        "level": "warning",
+        "text": "waiting for a joystick",
+        "values": {},
+    }
+    for act in (
+        lambda: met.tell("emergency_stop", active=True, sources=sources),
+        lambda: met.tell("emergency_stop", active=False, sources=[]),
+        lambda: met.tell_seat(asking=("operator 2",), cause=TOO_LATE),
+        lambda: met.tell_seat(why_not="Another node publishes /joy: a node that was just found. " * 3),
+        lambda: met.tell("diagnostics", parts=[part, part | {"name": "b", "text": "is not heard"}]),
+        lambda: met.tell_seat(driver="operator 2"),
+        lambda: met.tell_seat(),
+    ):
+        act()
+        page.clock.run_for(400)
+        assert page.evaluate(PLACES, PARTS) == places
+    met.tell("diagnostics", parts=[])
+    page.set_viewport_size(before)
+
+
+def test_a_page_without_a_connection_says_one_thing_that_can_be_read(met: PageStandIn) -> None:
+    met.drop_connection()
+    met.page.wait_for_selector("#message :text('The crane stands still until the page is connected again.')")
+    width = met.page.evaluate("() => document.querySelector('#message p').getBoundingClientRect().width")
+    assert width > 1000
+    assert met.page.locator("text=Not connected").count() == 0
+    for _ in range(50):
+        met.page.clock.run_for(20)
+    met.page.wait_for_selector("#message :text('Take the seat to drive.')")
+
+
+def test_a_stop_of_a_recording_shows_at_once_that_it_was_heard(met: PageStandIn) -> None:
+    told = {"name": "mine", "seconds": 3, "bytes": 0, "text": "The recorder starts.", "hears": True}
+    met.tell("recording", active=True, **told)
+    met.silent.add("stop_recording")
+    met.page.get_by_role("button", name="Stop", exact=True).click()
+    met.page.wait_for_selector("#recording .record:disabled:text('Stopping')")
+    met.page.wait_for_selector("#recording :text('Stop was heard')")
+    met.tell("recording", active=True, **told)  # it goes on for a while
+    met.page.wait_for_selector("#recording .record:disabled:text('Stopping')")
+    lost = ", ".join(f"{number} of /topic_{number}" for number in range(1, 26))
+    ended = told | {"text": f"recorded 9000 messages, 32 topics, lost 325, {lost}: mine"}
+    met.tell("recording", active=False, **ended)
+    met.page.wait_for_selector("#recording .record:not(:disabled):text('Record')")
+    met.page.wait_for_selector("#recording .state:text('lost 325 in 25 topics')")
+    assert not met.page.locator("#recording .losses p").is_visible()
+    met.page.locator("#recording .losses summary").click()
+    assert met.page.locator("#recording .losses p").inner_text() == lost
+    met.page.locator("#recording .losses summary").click()
+
+
+def test_the_sticks_are_named_anew_with_the_scheme(met: PageStandIn) -> None:
+    for scheme, words in (("joint", "stick out"), ("coordinated", "away")):
+        set_to = {
+            "value": scheme,
+            "type": "str",
+            "text": "",
+            "live": True,
+            "choices": ["joint", "coordinated"],
+        }
+        met.tell("parameters", nodes={"controller": {"scheme": set_to}})
+        met.page.wait_for_selector(f"#left_stick .away span:text('{words}')")
+
+
+def test_a_page_that_is_late_rests_its_charts_and_says_so(met: PageStandIn) -> None:
+    met.page.keyboard.down("Shift")
+    wait(met, lambda hands: hands.held)
+    met.page.keyboard.up("Shift")  # what was told of the hands before is done with
+    wait(met, lambda hands: not hands.held)
+    for _ in range(2):
+        met.page.clock.fast_forward(60)
+    met.page.wait_for_selector("body[data-relief='1']")
+    met.page.wait_for_selector("#message :text('the charts rest')")
+    for _ in range(20):
+        met.page.clock.run_for(500)
+    met.page.wait_for_selector("body[data-relief='0']")

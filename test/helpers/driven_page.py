@@ -109,9 +109,9 @@ class DrivenPage:
         """Do the next thing: a busy computer may make the deadman let go at any time."""
         state, why = self.page.evaluate(
             """() => [document.querySelector("#seat .deadman").dataset.state,
-                      document.querySelector("#seat .why").textContent]"""
+                      document.querySelector("#message p").textContent]"""
         )
-        if "entre the sticks" in why or "et go of" in why:  # it may begin the sentence
+        if "et go of" in why:  # it may begin the sentence
             hand.let_go(self.page)
         elif state == "ready":
             hand.let_go(self.page)

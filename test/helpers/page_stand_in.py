@@ -83,10 +83,11 @@ class PageStandIn:
         asking: tuple[str, ...] = (),
         deadman: tuple[str, str] = ("waiting", "Release the deadman and centre the sticks."),
         why_not: str = "",
+        cause: str = "",
     ) -> None:
         """Tell who drives, and how the deadman is."""
         self._driver = driver
-        state = dict(zip(("state", "text"), deadman, strict=True))
+        state = dict(zip(("state", "text"), deadman, strict=True)) | {"cause": cause}
         self.tell(
             "seat", driver=driver, you_drive=driver == YOU, asking=asking, deadman=state, why_not=why_not
         )

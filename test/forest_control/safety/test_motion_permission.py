@@ -221,6 +221,17 @@ def test_before_the_first_state_none_is_missed():
     assert not guard.is_lost(1e9, NOBODY)
 
 
+def test_a_joystick_that_goes_on_sending_is_not_waited_for_though_its_hand_is_late():
+    guard = MotionGuard(PermissionParameters())
+    assert guard.is_nobody_there()
+    assert [guard.misses_joystick(age) for age in (0.02, 0.9, 1.1, math.inf)] == [False, False, True, True]
+
+
+def test_a_joystick_whose_deadman_is_held_is_lost_rather_than_waited_for(rig):
+    rig.moving()
+    assert not rig.guard.misses_joystick(math.inf)
+
+
 def test_a_joystick_stamp_that_goes_back_moves_nothing_new_and_is_told(rig):
     rig.speak = lambda: rig.sample()._replace(stamp=PERIOD_NS, levers=Levers(-1.0, 0.0, 0.0))
     decision = rig.once()

@@ -97,7 +97,7 @@ def test_an_emergency_stop_is_one_click_or_key_away(crane, driver, way):
     driver.drive(RIGHT)
     page.click("#emergency_stop .stop") if way == "click" else page.keyboard.press(way)
     driver.wait(crane.ears.at_rest)
-    page.wait_for_selector("#emergency_stop :text('STOPPED')")
+    page.wait_for_selector("#message :text('STOPPED')")
     assert_nothing_moves(crane, driver)
     RIGHT.let_go(page)
     driver.wait(lambda: not any(crane.ears.joy[-1].axes))

@@ -23,7 +23,7 @@ ASIDE = (0.75, 0.0, 0.0, 0.0, 0.0, 0.0)
 def is_undisturbed(page):
     """Whether nothing but the host's own stalls can have ended a page's driving."""
     deadman = page.seat["deadman"]
-    return deadman["state"] == "held" or any(why in deadman["text"] for why in ("not heard", "slow"))
+    return deadman["state"] == "held" or "too late" in deadman["text"]
 
 
 def test_a_second_page_looks_on_and_its_hands_count_for_nothing(crane):

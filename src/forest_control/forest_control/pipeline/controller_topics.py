@@ -74,7 +74,7 @@ class ControllerInputs:
             limits: gives what limits the motion, by names with units.
         """
         heard = partial(InputStatus, node, self._node_clock)
-        joystick = heard(self.joy, "a joystick", guard.is_nobody_there)
+        joystick = heard(self.joy, "a joystick", lambda: guard.misses_joystick(self.joy.age()))
         diagnostics.watch("joystick", joystick, values=guard.joystick_values)
         others = map(heard, (self.actuators, self.pressures, self.valves.volts, self.valves.status))
         diagnostics.watch("machine", heard(joints, "the machine's state"), *others, values=limits)

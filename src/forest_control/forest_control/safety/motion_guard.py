@@ -34,6 +34,7 @@ GOES_BACK = "joy: a stamp goes back; allowed: rising stamps, or none"
 LOST_STATE = "no state of the machine"
 PRESSED = "emergency stop pressed"
 WAS_FAULTY = "machine: a fault is over; allowed: release the deadman"
+MISSED = 1.0  # [s] without a sample of /joy, after which people are told that one is waited for
 
 
 class MotionGuard:
@@ -118,6 +119,13 @@ class MotionGuard:
         """Tell whether there never was a joystick, or it went after the deadman was released."""
         watch = self.permission.joystick
         return watch.joystick == Joystick.SILENT or (watch.joystick == Joystick.LOST and not watch.held)
+
+    def misses_joystick(self, age: float) -> bool:
+        """Tell whether a joystick is waited for, by the age of the newest sample [s]; inf: there was none.
+
+        One that goes on sending is there, though a hand behind it may be late for some tenths of a second.
+        """
+        return self.is_nobody_there() and age > MISSED
 
     def against_reset(self) -> str:
         """Return what stands against a reset of the emergency stop, or ""."""

@@ -25,8 +25,8 @@ ROUND_TRIP = 0.25  # [s] longest from a pong to the hands that tell of it: a rel
 DRIFT = 5e-4  # [1] of the page's clock against ours: what a clock that is being set may differ by
 CENTRE = WatchParameters().centre
 
-NO_HEARTBEAT = f"The page was not heard for {TIMEOUT:g} s."
-LATE = "What the page sends arrives too late: the network is slow, or a computer too busy."
+# The page says the same of its own thread: hands/late.js.
+TOO_LATE = "The hands came too late: this computer or the network is too busy."
 
 
 class State(IntEnum):
@@ -80,7 +80,7 @@ def heard_hands(before: Deadman, hands: Hands, received: float, round_trip: floa
     if deadman.state == State.HELD and not hands.held:  # a release counts, however late
         deadman = stopped(deadman, "")
     if not (new and in_time):
-        return deadman._replace(cause=LATE) if _waits_for_time(deadman, in_time, round_trip) else deadman
+        return deadman._replace(cause=TOO_LATE) if _waits_for_time(deadman, in_time, round_trip) else deadman
     return _advanced(deadman._replace(heartbeat=sent, heartbeats=deadman.heartbeats + 1), hands)
 
 
@@ -89,7 +89,7 @@ def judged(deadman: Deadman, now: float) -> Deadman:
     if deadman.state == State.WAITING or now < expiry(deadman):
         return deadman
     held = deadman.state == State.HELD
-    return stopped(deadman, NO_HEARTBEAT if held else "")
+    return stopped(deadman, TOO_LATE if held else "")
 
 
 def expiry(deadman: Deadman) -> float:

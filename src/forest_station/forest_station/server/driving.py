@@ -134,7 +134,11 @@ class Driving:
         told = {
             "driver": seat.driver,
             "asking": list(seat.asking),
-            "deadman": {"state": held.state.name.lower(), "text": deadman.text(held)},
+            "deadman": {
+                "state": held.state.name.lower(),
+                "text": deadman.text(held),
+                "cause": held.cause,
+            },
             "why_not": self._why_not,
         }
         if told != self._told:

@@ -31,16 +31,16 @@ export class History {
     return this.rows[((this.count - 1) % this.length) * this.columns + column];
   }
 
-  // Times [s] and values of one column, oldest first.
-  series(column) {
-    const kept = Math.min(this.count, this.length);
-    const times = new Float64Array(kept);
-    const values = new Float32Array(kept);
-    for (let i = 0; i < kept; i++) {
-      const row = (this.count - kept + i) % this.length;
-      times[i] = this.times[row];
-      values[i] = this.rows[row * this.columns + column];
-    }
-    return { times, values };
+  // Times [s] and values of one column, oldest first: of every `stride`th frame, always the same ones, and the newest.
+  series(column, stride = 1) {
+    const oldest = Math.max(0, this.count - this.length);
+    const numbers = [];
+    for (let i = Math.ceil(oldest / stride) * stride; i < this.count - 1; i += stride) numbers.push(i % this.length);
+    if (this.count > 0) numbers.push((this.count - 1) % this.length);
+    const pick = (place) => numbers.map(place);
+    return {
+      times: Float64Array.from(pick((row) => this.times[row])),
+      values: Float32Array.from(pick((row) => this.rows[row * this.columns + column])),
+    };
   }
 }

@@ -4,11 +4,13 @@
 //   place: "top", "left", "right" or "bottom"; title: a short noun, "" for none;
 //   mount(element, station): builds its content once, and listens to the station from then on.
 
+import { handsOf } from "./hands/hands.js";
 import { layOut } from "./layout.js";
+import { relieve } from "./relief.js";
 import { Station } from "./station.js";
 import { drawScene } from "./scene/scene.js";
 
-const FIRST = ["emergency_stop", "seat", "sticks"]; // what a person needs, however slowly the rest comes
+const FIRST = ["emergency_stop", "seat", "message", "sticks"]; // what a person needs, however slowly the rest comes
 
 // A panel that fails leaves the others, the emergency stop above all, alone.
 async function mountPanel(name, station, loading) {
@@ -62,6 +64,7 @@ async function showCrane(station) {
 
 const station = new Station();
 layOut(station);
+relieve(station, handsOf(station));
 const { modules, styles } = await json("/panels.json");
 styles.forEach(addStyleSheet);
 const names = [...FIRST.filter((name) => modules.includes(name)), ...modules.filter((name) => !FIRST.includes(name))];

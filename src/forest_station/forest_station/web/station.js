@@ -17,6 +17,7 @@ export class Station extends EventTarget {
     this.history = new History(0);
     this.scene = null; // of the live crane, once it is known
     this.live = true; // false: a replay shows its frames through `show`
+    this.drawing = false; // whether pictures are drawn: "drawn" tells the time of the frame in each
     this.socket = null;
     this.requests = new Map(); // number → resolve
     this.requestNumber = 0;

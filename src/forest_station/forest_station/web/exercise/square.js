@@ -3,6 +3,8 @@
 export const SIDE = 0.8; // [m]
 export const REACHED = 0.1; // [m] around a corner
 const STEP = 0.01; // [m] of way between two looks at how far beside the tip is: who stands still is not measured twice
+const PAUSE_S = 0.5; // longest time for a step that counts as motion
+const [ASTRAY, BACK] = [0.1, 0.05]; // [m] from the corner, after which the way is wrong; towards it, and it is right again
 const FAR = 6; // [m] from the swing axis, amid the reach: from there the square lies towards the crane, else away from it
 
 // Returns a level square that begins at the tip, its sides along the tip's own directions.
@@ -12,10 +14,11 @@ export function squareAt([x, y, z]) {
 }
 
 export function begun(corners) {
-  return { corners, side: 0, seen: corners[0], sum: 0, way: 0, most: 0, since: null, until: null };
+  const onSide = { side: 0, mark: Infinity, wrong: false };
+  return { corners, ...onSide, seen: corners[0], at: NaN, sum: 0, way: 0, most: 0, seconds: 0 };
 }
 
-// Returns the attempt after the tip was seen at a place and a time [s]. Time counts from the first motion on. A corner is
+// Returns the attempt after the tip was seen at a place and a time [s]. Only motion counts, way and time. A corner is
 // reached near it, or beside it: who goes too far is off the square, but not lost.
 export function after(attempt, tip, time) {
   if (isDone(attempt) || !tip.every(Number.isFinite)) return attempt;
@@ -25,15 +28,23 @@ export function after(attempt, tip, time) {
   const off = distanceToSegment(tip, from, to);
   const next = {
     ...attempt,
+    ...turned(attempt, wayLeft(tip, from, to)),
     seen: tip,
-    since: attempt.since ?? time,
-    sum: attempt.sum + off * off * step,
+    at: time,
+    seconds: attempt.seconds + Math.min(PAUSE_S, time - attempt.at || 0),
+    sum: attempt.sum + off * step,
     way: attempt.way + step,
     most: Math.max(attempt.most, off),
   };
   if (distance(tip, to) > REACHED && wayLeft(tip, from, to) > 0) return next;
-  const last = attempt.side === attempt.corners.length - 1;
-  return { ...next, side: attempt.side + 1, until: last ? time : null };
+  return { ...next, side: attempt.side + 1, mark: Infinity, wrong: false };
+}
+
+// Whether the tip goes away from the corner, `left` [m] of the side before it. The mark is the nearest so far on the right
+// way, the farthest on the wrong one.
+function turned({ mark, wrong }, left) {
+  if (wrong) return left < mark - BACK ? { wrong: false, mark: left } : { wrong, mark: Math.max(mark, left) };
+  return left > mark + ASTRAY ? { wrong: true, mark: left } : { wrong, mark: Math.min(mark, left) };
 }
 
 export function isDone(attempt) {
@@ -45,18 +56,22 @@ export function side({ corners, side: number }) {
   return [corners[number % corners.length], corners[(number + 1) % corners.length]];
 }
 
-// How far from the square the tip was: root mean square over its way and most [m], and for how long [s].
-export function result({ sum, way, most, since, until }) {
-  return { rms: Math.sqrt(sum / way), most, seconds: until - since };
+// How far from the edge to be driven the tip was: mean over its way, and most [m]; and for how long it moved [s].
+export function result({ sum, way, most, seconds }) {
+  return { mean: sum / way, most, seconds };
 }
 
-// What the left stick has to do next, from where the tip is: its word, its key, and how far [m].
+// What the left stick has to do next: {word, key, metres} along the side, {word, metres} back to the side, and whether the
+// tip goes the wrong way.
 export function way(attempt, tip) {
-  const [, to] = side(attempt);
+  const [from, to] = side(attempt);
   const [x, y] = [to[0] - tip[0], to[1] - tip[1]];
-  if (Math.abs(x) > Math.abs(y)) return x > 0 ? ["away", "W", x] : ["back", "S", -x];
-  return y > 0 ? ["left", "A", y] : ["right", "D", -y];
+  const [along, across] = Math.abs(to[0] - from[0]) > Math.abs(to[1] - from[1]) ? [pushX(x), pushY(y)] : [pushY(y), pushX(x)];
+  return { ...along, beside: across, wrong: attempt.wrong };
 }
+
+const pushX = (x) => ({ word: x > 0 ? "away" : "back", key: x > 0 ? "W" : "S", metres: Math.abs(x) });
+const pushY = (y) => ({ word: y > 0 ? "left" : "right", key: y > 0 ? "A" : "D", metres: Math.abs(y) });
 
 // How far the corner is along the side [m]; negative: the tip has passed it.
 function wayLeft(tip, from, to) {

@@ -4,8 +4,6 @@
 // pointer, a hidden page, a thread that hung) lets go for all of them: each has to be let go and pressed anew.
 
 export const LONGEST_GAP_MS = 100; // between two looks at the hands; a page that hangs for longer has let go
-const [OFTEN, LATELY_MS] = [2, 60_000]; // times that a page hangs within, on a computer that is too busy
-const BUSY = "this computer is too busy to drive: close other programs, make the window smaller, or stop the drawing (bottom right)";
 
 export class Deadman {
   #holders = new Set();
@@ -29,7 +27,7 @@ export class Deadman {
   set(holder, pressed) {
     if (!pressed) {
       this.#down.delete(holder);
-      if (this.#holders.delete(holder)) this.why = `${holder} was released`;
+      if (this.#holders.delete(holder)) this.why = ""; // a release explains itself
     } else if (!this.#down.has(holder)) {
       this.#down.add(holder);
       this.#holders.add(holder);
@@ -46,17 +44,4 @@ export class Deadman {
 // Tells whether a page that last looked at its hands at `before` [ms] has hung since.
 export function hung(before, now) {
   return now - before > LONGEST_GAP_MS;
-}
-
-// How often the page hung while somebody drove.
-export class Hangs {
-  #times = [];
-
-  // Returns why the deadman is let go at `now` after a gap [ms].
-  told(gap, now) {
-    this.#times = [...this.#times.filter((time) => now - time < LATELY_MS), now];
-    if (this.#times.length >= OFTEN) return BUSY;
-    const seconds = Math.ceil(gap / 10) / 100; // up: a gap that is too long never reads as the longest
-    return `the page hung for ${seconds.toFixed(2)} s, longer than ${LONGEST_GAP_MS / 1000} s`;
-  }
 }

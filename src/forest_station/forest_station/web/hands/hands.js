@@ -2,11 +2,12 @@
 //
 // 50 times a second and at once on a change, straight from the event to the socket: no redraw is waited for.
 
-import { Deadman, Hangs, hung } from "./deadman.js";
+import { Deadman, hung } from "./deadman.js";
 import { watchDoubts } from "./doubts.js";
 import { Gamepads } from "./gamepads.js";
 import { CENTRED, buttonBits, mergeAxes } from "./joy.js";
 import { Keyboard } from "./keyboard.js";
+import { Lateness, TOO_LATE, isLateness } from "./late.js";
 import { handsMessage } from "./message.js";
 
 const PERIOD_MS = 20;
@@ -14,13 +15,14 @@ const SHORTEST_MS = 4; // between two messages of moving sticks: a mouse may mov
 const KEY = "the key";
 const FINGERS = matchMedia("(pointer: coarse)").matches;
 
-// Emits "change" when the axes or the deadman changed, and "latency" with the round trip [ms].
+// Emits "change" when the axes or the deadman changed, "latency" with the round trip [ms], and "look" with the time since
+// the last look [ms].
 class Hands extends EventTarget {
   constructor(station) {
     super();
     this.station = station;
     this.deadman = new Deadman();
-    this.hangs = new Hangs();
+    this.lateness = new Lateness();
     this.gamepads = new Gamepads();
     this.axes = CENTRED;
     this.buttons = 0;
@@ -35,7 +37,7 @@ class Hands extends EventTarget {
     this.asked = new Map(); // number → when [ms]
     this.looked = performance.now();
     watchDoubts((why) => this.#doubt(why));
-    station.on("seat", ({ you_drive: drives }) => this.#sit(drives));
+    station.on("seat", (seat) => this.#sit(seat));
     station.on("pong", ({ number }) => this.#measure(number));
     station.on("close", () => this.#disconnect());
     setInterval(() => this.update(), PERIOD_MS);
@@ -79,6 +81,7 @@ class Hands extends EventTarget {
     this.#hearPads(pads.deadmen);
     this.#judge(now);
     const keys = this.keyboard.step((now - this.looked) / 1000);
+    this.dispatchEvent(new CustomEvent("look", { detail: now - this.looked }));
     this.looked = now;
     this.axes = mergeAxes([...this.sticks.values(), keys, pads.axes]);
     this.buttons = buttonBits(pads.pressed, this.deadman.held);
@@ -87,9 +90,14 @@ class Hands extends EventTarget {
 
   // Lets go of what must not count, also of what was pressed just now.
   #judge(now) {
-    if (this.deadman.held && hung(this.looked, now)) this.deadman.release(this.hangs.told(now - this.looked, now));
+    if (this.deadman.held && hung(this.looked, now)) this.#beLate(now);
     if (document.hidden || !document.hasFocus()) this.deadman.release("the page is not in front");
     if (!this.station.live) this.deadman.release("a replay is shown: close it to drive");
+  }
+
+  #beLate(now) {
+    this.lateness.count(now);
+    this.deadman.release(TOO_LATE);
   }
 
   // Nobody knows any more what is held, and how it was let go.
@@ -125,7 +133,8 @@ class Hands extends EventTarget {
     this.sent = { at: now, state, held };
   }
 
-  #sit(drives) {
+  #sit({ you_drive: drives, deadman }) {
+    if (drives && isLateness(deadman.cause) && this.deadman.held) this.#beLate(performance.now()); // the server found out
     if (drives !== this.drives) this.deadman.release(drives ? "control was taken over" : "control was handed over");
     this.drives = drives;
     this.dispatchEvent(new Event("change"));

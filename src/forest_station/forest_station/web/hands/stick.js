@@ -6,24 +6,26 @@ import { clamp, withDeadzone } from "./joy.js";
 
 const DEADZONE = 0.06; // a finger that goes straight ahead trembles sideways
 const TRAVEL = 0.35; // of the pad's width, to a full deflection
+const KNOB = 0.28; // of the pad's width: panels/sticks.css
 
 // Builds a stick; `moved(left, up)` hears its deflections, -1 to 1, as events bring them.
-export function makeStick(label, moved) {
+export function makeStick(moved) {
   const pad = document.createElement("div");
   pad.className = "stick";
   pad.dataset.hold = "";
   pad.setAttribute("role", "application");
-  pad.setAttribute("aria-label", label);
   const knob = document.createElement("div");
   knob.className = "knob";
   pad.append(knob);
   follow(pad, moved);
-  return { pad, show: (left, up) => show(pad, knob, left, up) };
+  return { pad, show: (left, up) => show(knob, left, up) };
 }
 
-function show(pad, knob, left, up) {
-  const travel = TRAVEL * pad.clientWidth;
-  knob.style.transform = `translate(${-left * travel}px, ${-up * travel}px)`;
+// In shares of the knob: to ask for the pad's size would lay the page out anew with every message of the hands.
+function show(knob, left, up) {
+  const travel = (100 * TRAVEL) / KNOB;
+  const place = `translate(${(-left * travel).toFixed(1)}%, ${(-up * travel).toFixed(1)}%)`;
+  if (knob.style.transform !== place) knob.style.transform = place;
 }
 
 function follow(pad, moved) {

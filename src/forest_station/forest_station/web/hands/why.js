@@ -1,5 +1,7 @@
 // Who drives, how the deadman is, and why nothing moves: in words.
 
+import { ADVICE, isLateness } from "./late.js";
+
 // By code of `limit` on controller/status: docs/reference/codes.md.
 const JOINT = 2;
 const LIMITS = [
@@ -19,19 +21,32 @@ export function lostText(reason) {
   return `${what} ${reason ? "Start scripts/station.sh anew." : "If this lasts, look at the terminal of scripts/station.sh."}`;
 }
 
-// How the deadman is, as the server judges it: {state, text}. "pressed": a hand is on it, and it does not count.
+// How the deadman is: {state, text}. It is held when the server says so and, where this page drives, its hands do as well.
+// "pressed": a hand is on it, and it does not count.
 //
 // here: {held, doubted} of this page's deadman.
 export function deadmanState(seat, here) {
   const judged = seat?.deadman.state ?? "waiting";
-  if (judged === "held") return { state: "held", text: "Deadman held" };
-  if ((here.held || here.doubted) && seat?.you_drive) return { state: "pressed", text: "Deadman does not count: let it go" };
-  return { state: judged, text: "Deadman released" };
+  const pressed = here.held || here.doubted;
+  if (judged === "held" && (here.held || !seat.you_drive)) return { state: "held", text: "Deadman held" };
+  if (pressed && seat?.you_drive) return { state: "pressed", text: "Deadman does not count" };
+  return { state: judged === "held" ? "waiting" : judged, text: "Deadman released" };
+}
+
+// What to do next for the deadman to count: one thing, and none that is done already.
+//
+// here: {held, doubted, deflected, grip} as for `whyText`.
+export function deadmanOrder({ deadman }, { held, doubted, deflected, grip }) {
+  if (doubted || (held && deadman.state === "waiting")) return `Let go of ${grip}.`;
+  if (held) return ""; // the server is about to hear of it
+  if (deflected) return "Let go of sticks and keys: nothing moves without the deadman.";
+  return deadman.state === "ready" ? `Hold ${grip}, then move a stick.` : "";
 }
 
 // A cause, if there is one, and what to do.
 function sentences(cause, remedy) {
-  return cause ? `${cause[0].toUpperCase()}${cause.slice(1)}. ${remedy}` : remedy;
+  const begun = cause && `${cause[0].toUpperCase()}${cause.slice(1)}`.replace(/[^.]$/, "$&.");
+  return [begun, remedy].filter(Boolean).join(" ");
 }
 
 const STANDING = /^standing still: /; // begins what a controller logs
@@ -48,27 +63,31 @@ export function standingCause(parts, logged, now) {
 
 export const isStanding = (text) => STANDING.test(text);
 
-// Why nothing moves, or not as fast as it was told to; "" if nothing is in the way.
+// Why nothing moves, or not as fast as it was told to, and the one thing to do next; "" if nothing is in the way.
 //
 // seat: the newest message, or null; here: {held, doubted, why} of this page's deadman, {deflected}: a stick or a key is
-// away from its centre, {grip}: what is held here to drive, its id, {you}, and how it lost the server, {lost};
-// stopped: the emergency stop is active; status: armed, factor and limit of controller/status, NaN where unknown, and
-// {axis}: at its limit, "" if nobody knows; cause: why the controller stands still, "" if nobody knows.
+// away from its centre, {grip}: what is held here to drive, {often}: hands came too late lately, its id, {you}, and how it
+// lost the server, {lost}; stopped: the emergency stop is active; status: armed, factor and limit of controller/status, NaN
+// where unknown, and {axis}: at its limit, "" if nobody knows; cause: why the controller stands still, "" if nobody knows.
 export function whyText(seat, here, stopped, status, cause = "") {
   if (!seat) return here.lost || "The page asks for the crane. If this lasts: does scripts/station.sh run?";
   if (stopped) return ""; // its own panel says so
   if (seat.why_not) return seat.why_not;
   if (seat.asking.includes(here.you)) return `${seat.driver} is asked to hand over.`;
   if (!seat.you_drive) return seat.driver === null ? "Take the seat to drive." : "";
-  if (seat.deadman.state !== "held") {
-    if (here.held) return seat.deadman.text;
-    if (here.deflected && !here.doubted) return `Nothing moves without the deadman: let go of sticks and keys, then hold ${here.grip}.`;
-    return sentences(here.why, here.doubted ? "Let go of the deadman, then hold it again." : seat.deadman.text);
-  }
-  if (status.armed === 0) return sentences(cause && `the controller stopped: ${cause}`, "Centre the sticks, then go on.");
+  if (deadmanState(seat, here).state !== "held") return notHeldText(seat, here);
+  if (status.armed === 0) return sentences(cause && `the controller stopped: ${cause}`, here.deflected ? "Let go of sticks and keys." : "");
   if (!(status.factor < 1)) return "";
   const percent = Math.round(100 * status.factor);
   const held = percent === 0 ? "Held back" : `Slowed to ${percent} %`;
   if (status.limit === JOINT) return `${held}: the ${status.axis ? `${status.axis} ` : ""}joint ${percent === 0 ? "is at" : "nears"} its limit.`;
   return LIMITS[status.limit] ? `${held} by ${LIMITS[status.limit]}.` : "";
+}
+
+// Who is often too late needs another computer's time more than another press.
+function notHeldText(seat, here) {
+  const cause = here.why || seat.deadman.cause;
+  const order = deadmanOrder(seat, here);
+  const pressed = here.held || here.doubted;
+  return sentences(cause, here.often && isLateness(cause) && !pressed ? ADVICE : order);
 }

@@ -1,14 +1,16 @@
 // A chart of the last minute with the newest values above it, or those under the cursor. A click stops all charts.
 
 import { make, setText } from "../elements.js";
+import { NO_CHARTS } from "../relief.js";
 import uPlot from "../vendor/uplot.js";
 import { lineValues } from "./lines.js";
 import { pauseOf } from "./pause.js";
 
 const [SPAN_S, LEAST_SPAN_S] = [60, 5]; // of the chart: as long as what is known, at the most a minute
 const PERIOD_MS = 100; // between two drawings
+const RESTING = 5; // periods between two looks of a chart that rests
 const LATEST_MS = 500; // after which it is drawn, idle or not
-const STRIDE = 2; // of 30 frames a second
+const STRIDE = 3; // of 30 frames a second: a chart has fewer pixels
 const HEIGHT = 96; // [px]
 const COLOURS = ["#5ec8ff", "#ffb454", "#7dff9f", "#ff7ab8", "#c4a7ff", "#f4f7f5"];
 const SHADE = "rgb(255 212 121 / 22%)";
@@ -21,23 +23,31 @@ export class Chart {
     this.pause = pauseOf(station);
     this.inSight = true;
     this.waiting = false;
+    this.rests = false; // the page has no time for charts
+    this.beats = 0; // while it rests
+    this.drawn = NaN; // time of the newest frame that is drawn
     this.values = definition.lines.map(() => make("output"));
     this.moment = make("span", { className: "moment" });
     this.frame = make("div", { className: "frame", tabIndex: 0 });
     this.frame.setAttribute("role", "button");
     this.frame.setAttribute("aria-label", `${definition.title}: stop or go on`);
+    this.frame.style.minHeight = `${this.#size().height}px`; // before the first drawing, too
     this.element = make("div", { className: "chart", hidden: true }, this.#readings(), this.frame);
     this.frame.addEventListener("click", () => this.pause.toggle());
     this.frame.addEventListener("keydown", ({ code }) => code === "Enter" && this.pause.toggle());
     this.pause.addEventListener("change", () => this.#showPause());
     new IntersectionObserver(([entry]) => (this.inSight = entry.isIntersecting)).observe(this.element);
     new ResizeObserver(() => this.plot?.setSize(this.#size())).observe(this.frame);
+    station.on("signals", () => (this.drawn = NaN));
+    station.on("relief", (level) => (this.rests = level >= NO_CHARTS));
     setInterval(() => this.#drawWhenIdle(), PERIOD_MS);
   }
 
   // The hands come first: a page that has much to do draws its charts less often.
   #drawWhenIdle() {
-    if (this.waiting) return;
+    const { newestTime } = this.station.history;
+    if (this.rests) return this.#tellNewest();
+    if (this.waiting || newestTime === this.drawn) return;
     this.waiting = true;
     whenIdle(() => {
       this.waiting = false;
@@ -50,8 +60,18 @@ export class Chart {
     this.element.hidden = !this.definition.lines.some(({ signals }) => this.#known(signals));
     if (this.element.hidden || !this.inSight || this.pause.paused || document.hidden) return;
     this.plot ??= this.#plot();
+    this.drawn = this.station.history.newestTime;
     this.plot.setData(this.#minute());
     this.#showValues();
+  }
+
+  // The newest values alone, without a chart: what a page has time for that has none for charts.
+  #tellNewest() {
+    if (!this.inSight || this.pause.paused || ++this.beats % RESTING) return;
+    this.definition.lines.forEach(({ value, signals }, i) => {
+      const newest = value && this.#known(signals) ? value(...signals.map((name) => this.station.value(name))) : NaN;
+      setText(this.values[i], this.#text(newest));
+    });
   }
 
   #known(signals) {
@@ -59,21 +79,18 @@ export class Chart {
   }
 
   #column(name) {
-    return this.station.history.series(this.station.signals.get(name));
+    return this.station.history.series(this.station.signals.get(name), STRIDE).values;
   }
 
-  // Seconds before the newest frame, and each line's values; null where nothing is known. Every other frame is enough for
-  // the few pixels of a chart; always the same ones, or lines would tremble.
+  // Seconds before the newest frame, and each line's values; null where nothing is known.
   #minute() {
-    const { times } = this.station.history.series(0);
+    const { times } = this.station.history.series(0, STRIDE);
     const newest = times.at(-1);
     const lines = this.definition.lines.map((line) => {
       if (!this.#known(line.signals)) return times.map(() => NaN);
-      return lineValues(line, times, line.signals.map((name) => this.#column(name).values));
+      return lineValues(line, times, line.signals.map((name) => this.#column(name)));
     });
-    const isDrawn = (_, i) => (this.station.history.count - times.length + i) % STRIDE === 0 || i === times.length - 1;
-    const thinned = (values) => Array.prototype.filter.call(values, isDrawn);
-    return [Array.from(thinned(times), (time) => time - newest), ...lines.map((values) => withGaps(thinned(values)))];
+    return [Array.from(times, (time) => time - newest), ...lines.map(withGaps)];
   }
 
   #readings() {

@@ -15,7 +15,7 @@ export function mount(element, station) {
   const list = make("ul", { className: "troubles" });
   const log = make("ol", { className: "log" });
   const logged = make("details", { hidden: true }, make("summary", {}, "Log"), log);
-  element.append(summary, list, logged);
+  element.append(make("div", { className: "now" }, summary, list), logged);
   station.on("diagnostics", ({ parts }) => show(summary, list, parts));
   station.on("log", (line) => {
     log.prepend(make("li", { className: line.level }, make("b", {}, `${line.node} `), line.text));
@@ -26,7 +26,7 @@ export function mount(element, station) {
 
 function show(summary, list, parts) {
   const found = troubles(parts);
-  setText(summary, found.length ? "" : parts.length ? `All is well: ${parts.length} parts tell of themselves.` : "");
+  setText(summary, found.length ? "" : parts.length ? `All is well: ${parts.length} parts of the crane report.` : "");
   summary.dataset.well = parts.length > 0;
   const key = JSON.stringify(found);
   if (list.dataset.key === key) return;

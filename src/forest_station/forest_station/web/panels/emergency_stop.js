@@ -1,9 +1,10 @@
 // The emergency stop: always in sight, for everybody who has the page open.
 
-import { make, makeButton, setText } from "../elements.js";
+import { make, makeButton } from "../elements.js";
 import { handsOf } from "../hands/hands.js";
 import { isTyping } from "../hands/keyboard.js";
 import { STOP_KEYS } from "../hands/keys.js";
+import { messageLineOf } from "../message_line.js";
 
 export const place = "top";
 export const title = "";
@@ -18,27 +19,22 @@ class EmergencyStop {
     this.wanted = false; // until a server has confirmed it
     this.told = { active: false, sources: [] };
     this.note = ""; // what became of a request, until the next news
+    this.drives = false;
     this.button = makeButton("EMERGENCY STOP", ({ detail }) => detail === 0 && this.stop(), "stop");
     this.button.addEventListener("pointerdown", () => this.stop()); // its click comes only with the release
     this.button.setAttribute("aria-keyshortcuts", STOP_KEYS.join(" "));
     this.button.append(make("small", {}, make("kbd", {}, "Esc"), make("kbd", {}, "space")));
-    this.state = make("p", { role: "status" });
-    this.sources = make("ul");
-    this.resetButton = makeButton("Reset", () => this.reset());
-    element.append(this.button, make("div", { className: "state" }, this.state, this.sources, this.resetButton));
+    this.line = messageLineOf(station);
+    this.resetButton = makeButton("Reset", () => this.reset(), "reset");
+    element.append(this.button, this.resetButton);
     listenToKeys(() => this.stop());
-    station.on("open", () => {
-      this.#show();
-      if (this.wanted) this.stop();
-    });
-    station.on("close", () => {
-      this.resetButton.disabled = true;
-      this.#show();
-    });
+    station.on("open", () => this.wanted && this.stop());
+    station.on("close", () => (this.resetButton.disabled = true));
     station.on("emergency_stop", (message) => this.#hear(message));
     station.on("seat", ({ you_drive: drives }) => {
       this.resetButton.disabled = !drives;
-      setText(this.resetButton, drives ? "Reset" : "Reset: take the seat");
+      this.drives = drives;
+      this.#show();
     });
     this.#show();
   }
@@ -73,11 +69,9 @@ class EmergencyStop {
   #show() {
     const { active, sources } = this.told;
     this.element.classList.toggle("active", active);
-    const link = this.station.connected ? "" : "Not connected: a stop is sent once there is a connection.";
-    setText(this.state, this.note || link || (active ? "STOPPED: nothing moves until it is reset." : ""));
-    this.sources.replaceChildren(
-      ...(active ? sources : []).map(({ name, state }) => make("li", { className: state }, `${name}: ${state}`)),
-    );
+    const parts = sources.map(({ name, state }) => `${name}: ${state}`).join(", ");
+    const stopped = `STOPPED: nothing moves until it is reset${this.drives ? "" : " by who drives"}. ${parts}`;
+    this.line.say("stop", this.note || (active ? stopped : ""), "bad");
     this.resetButton.hidden = !active;
   }
 }

@@ -2,7 +2,9 @@
 
 import { make, makeButton, setText } from "../elements.js";
 import { SIDE, after, begun, isDone, result, side, squareAt, way } from "../exercise/square.js";
+import { resultText, wayText } from "../exercise/words.js";
 import { handsOf } from "../hands/hands.js";
+import { deadmanOrder, deadmanState } from "../hands/why.js";
 
 export const place = "left";
 export const title = "First minute";
@@ -21,7 +23,8 @@ class FirstMinute {
     this.station = station;
     this.hands = hands;
     this.attempt = null;
-    this.seat = { driver: null, you_drive: false, deadman: { state: "waiting" } };
+    this.best = NaN; // least mean distance of the attempts before this one [m]
+    this.seat = { driver: null, you_drive: false, deadman: { state: "waiting", cause: "" } };
     this.stopped = false;
     this.text = make("p", { role: "status" });
     this.begins = makeButton("Mark a square", () => this.#begin());
@@ -49,6 +52,7 @@ class FirstMinute {
   #begin() {
     const tip = this.#tip();
     if (!tip.every(Number.isFinite)) return setText(this.text, "Nobody tells where the tip is: is the crane running?");
+    if (this.attempt && isDone(this.attempt)) this.best = Math.min(this.best || Infinity, result(this.attempt).mean);
     this.#end(); // a square that is done may still be there
     this.attempt = begun(squareAt(tip));
     this.#draw();
@@ -84,15 +88,13 @@ class FirstMinute {
   }
 
   #sentence() {
-    if (!this.station.connected) return "There is no connection to the crane: the line at the top says what to do.";
-    if (this.stopped) return "Stopped: press Reset, at the top.";
+    if (!this.station.connected) return "Without a connection nothing can be driven.";
+    if (this.stopped) return "Stopped: Reset, at the top, ends that.";
     if (!this.attempt) {
-      const push = FINGERS ? "push the left stick" : "push the left stick, or press W";
-      return `Mark a square at the tip of the crane, and drive along it: hold ${this.hands.grip}, and ${push}. ${STOP} stops everything.`;
+      return `Mark a square at the crane's tip, and drive along it. ${STOP} stops everything.`;
     }
     if (isDone(this.attempt)) {
-      const { rms, most, seconds } = result(this.attempt);
-      return `Done in ${seconds.toFixed(0)} s: ${cm(rms)} beside the square on average, ${cm(most)} at most.`;
+      return resultText(result(this.attempt), this.best);
     }
     if (!this.seat.you_drive) {
       return this.seat.driver === null ? "Nobody drives: take the seat, at the top." : "Somebody else drives: ask for control, at the top.";
@@ -102,12 +104,10 @@ class FirstMinute {
 
   #instruction() {
     const number = `Edge ${this.attempt.side + 1} of 4`;
-    const { held, doubted } = this.hands.deadman;
-    if (doubted || (held && this.seat.deadman.state === "waiting")) return `${number} waits: let go of everything, then hold ${this.hands.grip} again.`;
-    if (!held) return `${number} waits: with the sticks at rest, hold ${this.hands.grip}.`;
-    const [word, key, metres] = way(this.attempt, this.#tip());
-    const push = FINGERS ? `push the left stick ${word}` : `push the left stick ${word}, or press ${key}`;
-    return `${number}: keep ${this.hands.grip} held, and ${push}: ${metres.toFixed(1)} m to go.`;
+    const { deadman, deflected, grip } = this.hands;
+    const here = { held: deadman.held, doubted: deadman.doubted, deflected, grip };
+    if (deadmanState(this.seat, here).state !== "held") return `${number} waits. ${deadmanOrder(this.seat, here)}`.trim();
+    return `${number}: ${wayText(way(this.attempt, this.#tip()), FINGERS)}`;
   }
 }
 
@@ -118,8 +118,4 @@ function keepInSight(section) {
   const put = () => (narrow.matches ? scene : home).append(section);
   narrow.addEventListener("change", put);
   put();
-}
-
-function cm(metres) {
-  return `${(100 * metres).toFixed(1)} cm`;
 }

@@ -9,42 +9,69 @@ export const title = "Recordings";
 
 const LONGEST_MARK = 200;
 const MOST_ROWS = 50;
+const LOST_OF = /(lost \d+)((?:, \d+ of [^,:]+)+)/;
 const SLIGHT = 1e-3; // share of messages that may be lost of a bag that figures are taken from
 
 export function mount(element, station) {
   const state = make("p", { className: "state", role: "status" });
+  const losses = make("details", { className: "losses", hidden: true }, make("summary", {}, "Lost messages, by topic"), make("p"));
   const answer = make("p", { className: "answer", role: "status" });
-  const ask = async (what, args) => setText(answer, (await station.ask(what, args)).text);
-  element.append(recorder(station, ask), state, marker(station, ask), answer, list(station));
-  station.on("recording", (told) => setText(state, stateText(told)));
+  const ask = async (what, args, meanwhile = "") => {
+    setText(answer, meanwhile);
+    const { text } = await station.ask(what, args);
+    setText(answer, LOST_OF.test(text) ? "" : text); // the state tells it already, and what it means
+  };
+  element.append(recorder(station, ask), state, losses, marker(station, ask), answer, list(station));
+  station.on("recording", (told) => {
+    setText(state, stateText(told));
+    setText(losses.lastChild, lossesText(told));
+    losses.hidden = !lossesText(told);
+  });
 }
 
 function recorder(station, ask) {
   const name = make("input", { type: "text", placeholder: "name: date and time", maxLength: 64, spellcheck: false });
   name.setAttribute("aria-label", "Name of the bag");
+  const stop = async () => {
+    setText(button, "Stopping…"); // the recorder writes what is left, which may take seconds
+    button.disabled = true;
+    await ask("stop_recording", {}, "Stop was heard: what is left is written.");
+    if (button.dataset.active === "true") show(true); // refused, or not yet done
+  };
   const button = makeButton("Record", () => {
-    if (button.dataset.active === "true") return ask("stop_recording");
+    if (button.dataset.active === "true") return stop();
     return ask("start_recording", name.value ? { name: name.value } : {});
   });
   button.className = "record";
-  station.on("recording", ({ active }) => {
-    button.dataset.active = active;
+  const show = (active) => {
+    button.disabled = false;
     setText(button, active ? "Stop" : "Record");
+  };
+  station.on("recording", ({ active }) => {
+    if (button.dataset.active !== String(active)) show(active); // not each second: a stop may be under way
+    button.dataset.active = active;
     name.disabled = active;
     if (active) name.value = "";
   });
   return make("div", { className: "line" }, name, button);
 }
 
+// Each topic's losses, as the recorder tells them at the end; "" for none.
+export function lossesText({ active, text }) {
+  return active ? "" : (LOST_OF.exec(text)?.[2] ?? "").replace(/^, /, "");
+}
+
 // How a recording goes, and what became of it: without each topic's losses, but with what they mean.
 export function stateText({ active, hears, name, seconds, bytes, text }) {
   if (active && !hears) return `${name}: the recorder starts, and does not hear the crane yet.`;
   if (active) return /^\d+:/.test(text) ? `${name}: ${text}` : `${name}: ${clock(seconds)}, ${size(bytes)}. ${text}`;
-  const short = text.replace(/(lost \d+)(?:, \d+ of [^,:]+)+/, "$1");
+  const short = text.replace(LOST_OF, (_, lost, topics) => `${lost} in ${counted(topics.split(", ").length - 1, "topic")}`);
   const [, written, lost] = /^recorded (\d+) messages.* lost (\d+)/.exec(short) ?? [];
   if (written === "0") return `${short}. Nothing was heard: record longer.`;
   return lost > SLIGHT * written ? `${short}. Too many are lost for figures.` : short;
 }
+
+const counted = (count, what) => `${count} ${what}${count === 1 ? "" : "s"}`;
 
 function marker(station, ask) {
   const text = make("input", { type: "text", placeholder: "what happens", maxLength: LONGEST_MARK });

@@ -1,6 +1,7 @@
 // A replay's controls: banner, time bar, speed, steps, the second bag, and the link to the moment.
 
 import { make, makeButton, setText } from "../elements.js";
+import { messageLineOf } from "../message_line.js";
 import { bagsOf } from "../replay/bags.js";
 import { KEYS_TEXT, listenToKeys } from "../replay/keys.js";
 import { makeOverlay } from "../replay/overlay.js";
@@ -23,6 +24,8 @@ export function mount(element, station) {
     section.hidden = !replay.active;
     document.body.classList.toggle("replaying", replay.active);
   });
+  const line = messageLineOf(station);
+  replay.addEventListener("change", () => line.say("answer", beforeText(replay), "calm"));
   listenToKeys(replay);
   replay.openLink();
 }
@@ -45,10 +48,10 @@ function controls(replay) {
   const time = make("output", { className: "time" });
   const told = make("span", { className: "told", role: "status" });
   const follow = () => {
-    setText(play, replay.playing ? "Pause" : "Play");
+    setText(play, replay.playing ? "Pause" : "Play the recording");
     speed.value = replay.speed;
   };
-  const count = () => replay.active && setText(time, `${replay.time.toFixed(2)} of ${replay.bag.seconds.toFixed(2)} s`);
+  const count = () => replay.active && setText(time, timeText(replay));
   replay.addEventListener("change", follow);
   replay.addEventListener("change", count);
   replay.addEventListener("moment", count);
@@ -64,6 +67,16 @@ function controls(replay) {
     makeButton("Copy link", () => copyLink(replay, told)),
     told,
   );
+}
+
+// The time of what is shown, and whether that is on its way.
+export function timeText({ time, bag, isLoading }) {
+  return `${time.toFixed(2)} of ${bag.seconds.toFixed(2)} s${isLoading ? ", loading" : ""}`;
+}
+
+// What is read from the click on a bag until its first moment is shown.
+export function beforeText({ active, opening }) {
+  return opening && !active ? `The recording ${opening} is being opened: the crane that you see is the live one.` : "";
 }
 
 async function copyLink(replay, told) {

@@ -4,23 +4,23 @@ import { make, makeButton, setText } from "../elements.js";
 import { handsOf } from "../hands/hands.js";
 import { deadmanState, driverText, isStanding, lostText, standingCause, whyText } from "../hands/why.js";
 import { momentOf } from "../replay/link.js";
+import { messageLineOf } from "../message_line.js";
 import { axisAtLimit } from "../scene/axes.js";
 
 export const place = "top";
 export const title = "";
 
 const PERIOD_MS = 200; // the controller's status comes with the frames
+const ANSWER_MS = 4000; // for which an answer is to be read
 
 export function mount(element, station) {
   const view = {
     driver: make("strong", { className: "driver" }),
     deadman: make("span", { className: "deadman" }),
-    why: make("span", { className: "why" }),
     buttons: make("span", { className: "buttons" }),
-    answer: make("span", { className: "answer" }),
   };
-  for (const spoken of [view.driver, view.why, view.answer]) spoken.setAttribute("role", "status");
-  element.append(view.driver, view.deadman, view.why, view.answer, view.buttons);
+  view.driver.setAttribute("role", "status");
+  element.append(view.driver, view.deadman, view.buttons);
   const seat = new Seat(station, handsOf(station), view);
   setInterval(() => seat.paint(), PERIOD_MS);
   seat.paint();
@@ -28,6 +28,7 @@ export function mount(element, station) {
 
 class Seat {
   constructor(station, hands, view) {
+    this.line = messageLineOf(station);
     Object.assign(this, { station, hands, view, you: null, seat: null, stopped: false, isNew: true, parts: [], logged: null, lost: "" });
     const hear = (kind, act) =>
       station.on(kind, (detail) => {
@@ -49,20 +50,24 @@ class Seat {
   paint() {
     const { seat, view } = this;
     const { held, doubted, why } = this.hands.deadman;
-    const { deflected, grip } = this.hands;
+    const { deflected, grip, lateness } = this.hands;
     const deadman = deadmanState(seat, { held, doubted });
     setText(view.driver, driverText(seat));
     view.driver.dataset.drives = Boolean(seat?.you_drive);
     setText(view.deadman, deadman.text);
     view.deadman.dataset.state = deadman.state;
-    const cause = standingCause(this.parts, this.logged, performance.now());
-    const here = { held, doubted, why, deflected, grip, you: this.you, lost: this.lost };
-    setText(view.why, whyText(seat, here, this.stopped, this.#status(), cause));
+    const now = performance.now();
+    const cause = standingCause(this.parts, this.logged, now);
+    const here = { held, doubted, why, deflected, grip, often: lateness.isOften(now), you: this.you, lost: this.lost };
+    const said = whyText(seat, here, this.stopped, this.#status(), cause);
+    const isHint = said.startsWith("Hold "); // nothing is in the way
+    this.line.say("drive", isHint ? "" : said);
+    this.line.say("hint", isHint ? said : "", "calm");
     this.#offer(seat ? this.#choices(seat) : []);
   }
 
   #hear(seat) {
-    if (this.seat?.driver !== seat.driver) setText(this.view.answer, "");
+    if (this.seat?.driver !== seat.driver) this.line.say("answer", "");
     this.seat = seat;
     const looks = momentOf(location.hash) !== null; // who opens a moment of a bag wants to look
     if (this.isNew && seat.driver === null && !looks) this.#ask("take_seat"); // who opens the page wants to drive
@@ -97,6 +102,7 @@ class Seat {
 
   async #ask(what, args) {
     const { text } = await this.station.ask(what, args);
-    setText(this.view.answer, text);
+    this.line.say("answer", text);
+    setTimeout(() => this.line.say("answer", ""), ANSWER_MS);
   }
 }

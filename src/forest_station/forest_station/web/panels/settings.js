@@ -44,7 +44,7 @@ export function mount(element, station) {
     for (const [one, control] of controls) {
       const { value } = nodes[one.node][one.name];
       control.show(value);
-      setText(control.means, meaning(one.name, value));
+      setText(control.means, meaning(one.name, value, nodes.controller?.scheme?.value));
     }
     table.show(nodes);
   };

@@ -1,9 +1,10 @@
 // Two sticks and the deadman, for fingers and the mouse; they show what keys and gamepads do, too.
 
-import { make } from "../elements.js";
+import { make, setText } from "../elements.js";
 import { handsOf } from "../hands/hands.js";
 import { makeHoldButton } from "../hands/hold_button.js";
 import { AXES, LEFT_X, LEFT_Y, RIGHT_X, RIGHT_Y } from "../hands/joy.js";
+import { moves } from "../hands/moves.js";
 import { makeStick } from "../hands/stick.js";
 
 export const place = "bottom";
@@ -26,6 +27,10 @@ export function mount(element, station) {
     deadman.dataset.state = held ? (counts ? "held" : "pressed") : "released";
     deadman.setAttribute("aria-pressed", held);
   };
+  station.on("parameters", ({ nodes: { controller = {} } }) => {
+    const words = moves(controller.scheme?.value, controller.axis_frame?.value);
+    for (const { name } of [left, right]) name(words);
+  });
   hands.addEventListener("change", show);
   station.on("seat", (seat) => {
     counts = seat.you_drive && seat.deadman.state !== "waiting";
@@ -33,17 +38,24 @@ export function mount(element, station) {
   });
 }
 
-// A stick on two axes; the words at its edges say what each way does, and its key.
-function stick(hands, name, x, y, ...ways) {
-  const made = makeStick(`${name} stick: tip ${ways.map(([word]) => word).join(", ")}`, (toLeft, up) => {
+// A stick on two axes; the words at its edges say what each way does, and its key. `name(words)` names them anew.
+function stick(hands, side, x, y, ...ways) {
+  const made = makeStick((toLeft, up) => {
     const axes = AXES.map(() => 0);
     axes[x] = toLeft;
     axes[y] = up;
-    hands.moveStick(name, axes);
+    hands.moveStick(side, axes);
   });
-  made.pad.id = `${name}_stick`;
-  for (const [word, key] of ways) {
-    made.pad.append(make("span", { className: `way ${word}` }, word, make("kbd", {}, key)));
+  made.pad.id = `${side}_stick`;
+  const texts = new Map();
+  for (const [way, key] of ways) {
+    texts.set(way, make("span"));
+    made.pad.append(make("span", { className: `way ${way}` }, texts.get(way), make("kbd", {}, key)));
   }
-  return made;
+  const name = (words) => {
+    for (const [way, text] of texts) setText(text, words[way]);
+    made.pad.setAttribute("aria-label", `${side} stick: ${[...texts.keys()].map((way) => words[way]).join(", ")}`);
+  };
+  name(moves());
+  return { ...made, name };
 }

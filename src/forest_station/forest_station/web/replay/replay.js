@@ -7,6 +7,7 @@ import { Bag, RATE } from "./bag.js";
 import { linkTo, momentOf } from "./link.js";
 
 const AHEAD_S = 3; // of the viewer's time, in which frames are due
+const LEAD_S = 0.5; // of the viewer's time, by which the clock may be ahead of the picture
 const HISTORY_FRAMES = 60 * RATE; // what the charts show
 
 export const SPEEDS = [0.1, 0.25, 0.5, 1, 2, 4, 8];
@@ -20,12 +21,14 @@ class Replay extends EventTarget {
     this.over = null; // the bag laid over it
     this.offset = 0; // [s] by which the ghost is shown later
     this.position = 0; // [frames] since the bag's start
-    this.shown = -1; // the frame on the screen
+    this.shown = -1; // the frame that is shown
+    this.drawn = -1; // the newest frame in a picture
     this.playing = false;
     this.speed = 1;
     this.opening = ""; // name of the bag that is being opened
     this.trouble = "";
     this.liveSignals = [];
+    station.on("drawn", (time) => this.#see(time));
     station.on("welcome", ({ signals }) => this.#welcome(signals));
     addEventListener("hashchange", () => this.openLink());
   }
@@ -42,6 +45,16 @@ class Replay extends EventTarget {
   // Whether the next frame is still on its way.
   get waiting() {
     return this.active && this.shown !== Math.floor(this.position);
+  }
+
+  // Whether nothing of the wanted moment is seen yet.
+  get isLoading() {
+    return this.waiting || (this.active && this.station.drawing && this.drawn < 0);
+  }
+
+  // Whether the picture is behind, for which the clock waits; a page that draws none does not wait.
+  get isAhead() {
+    return this.active && this.station.drawing && (this.drawn < 0 || this.shown - this.drawn > LEAD_S * this.speed * RATE);
   }
 
   // Shows the moment that the page's address names, if it names one.
@@ -154,6 +167,14 @@ class Replay extends EventTarget {
     }
   }
 
+  // A picture was drawn of the frame of a time [s].
+  #see(time) {
+    if (!this.active || !Number.isFinite(time)) return;
+    const before = this.drawn;
+    this.drawn = Math.round(time * RATE);
+    if (before < 0) this.#changed();
+  }
+
   #welcome(signals) {
     this.liveSignals = signals;
     if (this.active) this.#goTo(this.position);
@@ -168,7 +189,7 @@ class Replay extends EventTarget {
 
   // The charts begin anew: the time jumped.
   #forget() {
-    this.shown = -1;
+    this.shown = this.drawn = -1;
     this.station.setSignals(this.bag.signals);
   }
 
@@ -182,7 +203,7 @@ class Replay extends EventTarget {
   // Moves on with the viewer's clock.
   #tick(now, bag, before = now) {
     if (this.bag !== bag) return;
-    if (this.playing && !this.waiting) {
+    if (this.playing && !this.waiting && !this.isAhead) {
       this.position += ((now - before) / 1000) * this.speed * RATE;
       if (this.position >= bag.lastFrame) {
         this.position = bag.lastFrame;

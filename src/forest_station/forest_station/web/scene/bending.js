@@ -28,6 +28,6 @@ export class Bending {
     this.line.set(way > SEEN ? rigid.map((point) => point.toArray()) : []);
     if (way <= SEEN) return [];
     const amid = new Vector3().lerpVectors(rigid[0], rigid[1], AMID);
-    return [{ key: "bending", text: `bends ${(100 * way).toFixed(0)} cm`, at: amid, kind: "rigid" }];
+    return [{ key: "bending", text: `bent by ${(100 * way).toFixed(0)} cm`, at: amid, kind: "rigid" }];
   }
 }

@@ -8,6 +8,7 @@ const FOLLOW_S = 0.08; // time constant in which the free camera follows a hand
 const HEAD_TURN = 0.55; // share of the swing that the operator's head follows
 const FREE_FOV = 42; // [deg] until a drag takes over that of another view
 const ARRIVED = 0.02; // [m]
+const CLEAR = 2.2; // of the reach: from farther away trees stand between, see surroundings.py
 const UP = new Vector3(0, 0, 1);
 
 export const VIEWS = ["cab", "side", "top", "free"];
@@ -26,6 +27,9 @@ export class Cameras extends EventTarget {
     this.frame(scene);
     const kept = recall();
     this.view = kept.view;
+    this.watched = null; // {points, width} of an exercise
+    this.following = false; // of the free camera: it keeps the exercise and the tip in the picture
+    this.covered = 0; // share of the picture's height that text covers, from above
     this.free = kept.free ?? {
       position: [1.25 * this.reach, -1.0 * this.reach, 0.3 * this.reach], target: [0.25 * this.reach, 0.08 * this.reach, 0],
     };
@@ -41,21 +45,18 @@ export class Cameras extends EventTarget {
     this.controls.minDistance = 0.15 * this.reach;
   }
 
-  // Looks at something [m] from above, a little from behind: it is a third of the picture wide, and left is left.
-  lookAt(points, width) {
-    const box = points.reduce((grown, xyz) => grown.expandByPoint(new Vector3(...xyz)), new Box3());
-    const target = box.getCenter(new Vector3());
-    const away = new Vector3(-0.45, -0.15, 0.88).multiplyScalar(this.#far(3 * width, 3 * width, FREE_FOV));
-    this.free = { position: target.clone().add(away).toArray(), target: target.toArray(), fov: FREE_FOV };
-    this.view = "free";
-    this.arriving = true;
-    this.keep();
-    this.dispatchEvent(new Event("view"));
+  // Looks at an exercise's points [m] from above, a little from behind, and follows the tip until somebody drags: what is
+  // `width` wide fills a third of the picture, and left is left. null: goes on from where it is.
+  watch(points, width = 0) {
+    if (!points && this.following) this.#take();
+    this.watched = points && { points, width };
+    if (points) this.choose("free");
   }
 
   choose(view) {
     this.keep();
     this.view = view;
+    this.following = view === "free" && this.watched !== null;
     this.arriving = view === "free"; // on the way to where the free camera was left
     this.keep();
     this.dispatchEvent(new Event("view"));
@@ -86,7 +87,8 @@ export class Cameras extends EventTarget {
     this.target.lerp(wanted.target, share);
     this.camera.fov += share * (wanted.fov - this.camera.fov);
     this.camera.lookAt(this.target);
-    if (this.arriving && this.camera.position.distanceTo(wanted.position) < ARRIVED) this.#take();
+    const arrived = this.arriving && this.camera.position.distanceTo(wanted.position) < ARRIVED;
+    if (arrived && !this.following) this.#take();
   }
 
   // What the painter needs.
@@ -111,6 +113,7 @@ export class Cameras extends EventTarget {
     if (this.view === "cab") return this.#cab(swing, tip);
     if (this.view === "top") return this.#top();
     if (this.view === "side") return this.#side(swing);
+    if (this.following) return this.#watching(tip);
     const [position, target] = [this.free.position, this.free.target].map((xyz) => new Vector3(...xyz));
     return { position, target, fov: this.free.fov ?? FREE_FOV };
   }
@@ -119,9 +122,21 @@ export class Cameras extends EventTarget {
   #take() {
     if (this.view === "free" && !this.arriving) return;
     this.view = "free";
-    this.arriving = false;
+    this.arriving = this.following = false;
     this.controls.target.copy(this.target);
     this.dispatchEvent(new Event("view"));
+  }
+
+  // The exercise and the tip, below what covers the picture.
+  #watching(tip) {
+    const { points, width } = this.watched;
+    const box = [...points, ...(tip ? [tip] : [])].reduce((grown, xyz) => grown.expandByPoint(new Vector3(...xyz)), new Box3());
+    const extent = Math.max(3 * width, 1.7 * box.getSize(new Vector3()).length()) / (1 - this.covered);
+    const far = this.#far(extent, extent, FREE_FOV);
+    const away = new Vector3(-0.45, -0.15, 0.88).normalize();
+    const upwards = UP.clone().addScaledVector(away, -away.z).normalize(); // in the picture
+    const target = box.getCenter(new Vector3()).addScaledVector(upwards, this.covered * far * Math.tan((FREE_FOV * Math.PI) / 360));
+    return { position: target.clone().addScaledVector(away, far), target, fov: FREE_FOV };
   }
 
   // From the operator's eyes, who looks where the tip is.
@@ -133,12 +148,16 @@ export class Cameras extends EventTarget {
     return { position: new Vector3(-1.75 * scale, 0.3 * scale, 0.45 * scale), target: looked, fov: this.#wide(58, 70) };
   }
 
-  // Square to the crane's plane, the carrier and the whole reach in sight.
+  // Square to the crane's plane, the carrier and the whole reach in sight; of a narrow picture with a wider eye, before the
+  // trees.
   #side(swing) {
     const along = 0.35 * this.reach;
-    const away = this.#far(1.75 * this.reach, 1.2 * (this.top - this.ground), 36);
+    const [wide, high] = [1.75 * this.reach, 1.2 * (this.top - this.ground)];
+    const far = this.#far(wide, high, 36);
+    const away = Math.min(far, CLEAR * this.reach);
+    const fov = (360 / Math.PI) * Math.atan((far / away) * Math.tan((36 * Math.PI) / 360));
     const [position, target] = [new Vector3(along, -away, 0.12 * this.reach), new Vector3(along, 0, 0.5 * (this.top + this.ground))];
-    return { position: position.applyAxisAngle(UP, swing), target: target.applyAxisAngle(UP, swing), fov: 36 };
+    return { position: position.applyAxisAngle(UP, swing), target: target.applyAxisAngle(UP, swing), fov };
   }
 
   // From above, forward is up on the screen: a trace of tilt keeps "up" known.

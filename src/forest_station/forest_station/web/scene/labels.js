@@ -1,7 +1,8 @@
 // Text over the picture: the painter tells where, the page writes it, sharp at every resolution.
 
-const EDGE = 24; // [px] that a label's middle keeps from top and bottom
-const [LETTER, ENDS] = [4.5, 12]; // [px] half a letter, half of what is around them: nobody measures a label
+import { placed } from "./placing.js";
+
+const OVER = ":scope > :is(.views, .legend, .rate, #first_minute)"; // what lies over the picture, too
 
 export class Labels {
   constructor(element) {
@@ -10,19 +11,19 @@ export class Labels {
     this.resize();
   }
 
-  // Remembers the size: to ask for it between two writes would lay the page out anew each time.
+  // Remembers sizes and what is taken: to ask for it between two writes would lay the page out anew each time.
   resize() {
-    this.width = this.element.clientWidth;
-    this.height = this.element.clientHeight;
+    this.size = { width: this.element.clientWidth, height: this.element.clientHeight };
+    this.taken = [...this.element.parentElement.querySelectorAll(OVER)].map((part) => {
+      const { offsetLeft: left, offsetTop: top, offsetWidth: wide, offsetHeight: high } = part;
+      return [left, top, left + wide, top + high];
+    });
   }
 
   show(labels) {
-    const seen = new Set();
-    for (const label of labels) {
-      if (!label.ahead) continue;
-      seen.add(label.key);
-      this.#place(label);
-    }
+    const shown = placed(labels.filter(({ ahead }) => ahead), this.size, this.taken);
+    const seen = new Set(shown.map(({ key }) => key));
+    for (const label of shown) this.#place(label);
     for (const [key, element] of this.shown) if (!seen.has(key)) this.#drop(key, element);
   }
 
@@ -30,10 +31,8 @@ export class Labels {
     const element = this.shown.get(key) ?? this.#make(key);
     if (element.className !== `label ${kind}`) element.className = `label ${kind}`;
     if (element.textContent !== text) element.textContent = text;
-    const half = LETTER * text.length + ENDS;
-    const across = Math.min(this.width - half, Math.max(half, x));
-    const down = Math.min(this.height - EDGE, Math.max(EDGE, y));
-    element.style.transform = `translate(${across.toFixed(0)}px, ${down.toFixed(0)}px)`;
+    const place = `translate(${x.toFixed(0)}px, ${y.toFixed(0)}px)`;
+    if (element.style.transform !== place) element.style.transform = place;
   }
 
   #make(key) {

@@ -56,9 +56,8 @@ export class Limits {
     }
     if (limit === LATE) say("late link: slower", tip);
     if (limit === RELEASED) {
-      const held = signals.value("joy/button_left_shoulder") === 1;
-      const todo = held ? "centre the sticks" : "hold the deadman to drive";
-      shown.labels.push({ key: "limit", text: this.live ? todo : "the deadman is released", at: tip, kind: "calm" });
+      // Of the live crane the line at the top tells it, with what to do.
+      if (!this.live) shown.labels.push({ key: "limit", text: "the deadman is released", at: tip, kind: "calm" });
     }
   }
 

@@ -3,9 +3,9 @@
 import { make } from "../elements.js";
 import { VIEWS } from "./cameras.js";
 
-const LEGEND = [["wish", "commanded path"], ["tip", "tip, last 20 s"], ["area", "reach"], ["wall", "wall, slow zone, the load's reach"],
-  ["out", "oil to the actuator"], ["back", "oil back"], ["ghost", "ghost: the second bag"],
-  ["exercise", "your square"], ["rigid", "as if no link bent"]];
+const LEGEND = [["wish", "where you asked the tip to go"], ["tip", "where the tip went, 20 s"], ["area", "how far the crane reaches"],
+  ["wall", "wall, and where the tip brakes"], ["out", "hose: oil to a cylinder"], ["back", "hose: oil from a cylinder"],
+  ["ghost", "crane of the second recording"], ["exercise", "your square"], ["rigid", "crane as it would be unbent"]];
 const SLOW = 5; // [1/s] pictures below which the computer is likely to be too busy to drive
 
 // Buttons, and the keys 1 to 4.
@@ -49,6 +49,6 @@ export function legend() {
 
 // The figure of the drawing: pictures per second, and their share of the screen's resolution [1].
 export function rateText(rate, share) {
-  const figure = `${rate} ${rate === 1 ? "picture" : "pictures"}/s · ${Math.round(100 * share)} %`;
-  return rate < SLOW ? `${figure}: click to stop the drawing` : figure;
+  const figure = `${rate} ${rate === 1 ? "picture" : "pictures"}/s, ${Math.round(100 * share)} % sharp`;
+  return rate < SLOW ? `${figure}: click to stop` : figure;
 }

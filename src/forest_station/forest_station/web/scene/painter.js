@@ -1,7 +1,7 @@
 // A worker: draws the scene on its own thread. Where pixels are drawn by the processor a picture takes longer than
 // a heartbeat of the deadman; the page's own thread never waits for it.
 //
-// Hears: start, size, camera, scene, signals, frame, ghost, exercise, taught, trouble, visible. Says: drawn, failed.
+// Hears: start, size, camera, scene, begin, signals, frame, ghost, exercise, taught, trouble, visible, relief. Says: drawn, failed.
 
 import { ColorManagement, LinearSRGBColorSpace, PerspectiveCamera, Vector3, WebGLRenderer } from "../vendor/three.js";
 import { Picture } from "./picture.js";
@@ -12,6 +12,9 @@ ColorManagement.enabled = false; // colours as written: no power function for ea
 
 const state = {
   renderer: null, picture: null, signals: new Signals(), ghost: null, exercise: null, taught: null, trouble: "", visible: true, waiting: false, failed: false,
+  before: null, // a picture that was replaced: its programs serve the new one until that is drawn
+  episode: 0, // of frames that belong together: of the live crane, or of a replay
+  begun: false, // whether a frame of it has come
 };
 const camera = new PerspectiveCamera(45, 1, 0.2, 300);
 const resolution = new Resolution();
@@ -34,17 +37,23 @@ const hear = {
     camera.updateProjectionMatrix();
   },
   scene({ scene }) {
-    state.picture.dispose();
+    state.before?.dispose();
+    state.before = state.picture;
     state.picture = new Picture(scene);
     state.picture.showGhost(state.ghost);
     state.picture.exercise.show(state.exercise);
     state.picture.taught.show(state.taught);
     state.picture.limits.trouble = state.trouble;
   },
+  begin({ episode }) {
+    Object.assign(state, { episode, begun: false });
+    state.picture.trail.clear();
+  },
   signals({ names }) {
     state.signals = new Signals(names);
   },
   frame({ time, values, live }) {
+    state.begun = true;
     state.picture.limits.live = live;
     state.signals.show(time, values);
     state.picture.push(state.signals);
@@ -64,6 +73,9 @@ const hear = {
   },
   trouble({ trouble }) {
     state.trouble = state.picture.limits.trouble = trouble;
+  },
+  relief({ level }) {
+    size.fresh ||= resolution.relieve(level);
   },
   visible({ visible }) {
     state.visible = visible;
@@ -105,9 +117,12 @@ function draw() {
   const labels = state.picture.pose(state.signals);
   state.renderer.render(state.picture.root, camera);
   finish(state.renderer.getContext());
+  state.before?.dispose();
+  state.before = null;
   size.fresh ||= resolution.drawn(began, performance.now());
   self.postMessage({
     kind: "drawn", labels: labels.map(onScreen), tip: state.picture.tip().toArray(), rate: resolution.rate, share: resolution.share,
+    episode: state.begun ? state.episode : NaN, time: state.signals.time,
   });
 }
 

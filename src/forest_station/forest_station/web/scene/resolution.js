@@ -2,6 +2,8 @@
 // processor that draws pixels has time for everything else.
 
 const [FINEST, COARSEST] = [1, 0.4];
+// With a page that is about to be late, by its level of relief: the finest share, and the least time between two pictures.
+const RELIEF = [[FINEST, 0], [FINEST, 0], [COARSEST, 200], [0.3, 500]];
 const SOFTWARE = /swiftshader|llvmpipe|software|basic render/i; // names of renderers without a graphics processor
 const SOFTWARE_SHARE = 0.6; // to begin with
 const SOFTWARE_PERIOD_MS = 66; // of their pictures at least
@@ -20,6 +22,13 @@ export class Resolution {
     this.mean = NaN; // [ms] of a picture
     this.since = 0;
     this.times = [];
+    this.relief = 0; // level: relief.js
+  }
+
+  // Takes a level of relief; true if the next picture shall have another resolution.
+  relieve(level) {
+    this.relief = level;
+    return this.#change(0);
   }
 
   begin(gl) {
@@ -33,7 +42,7 @@ export class Resolution {
   // Time to wait before the next picture [ms].
   rest() {
     const took = this.mean || 0;
-    return Math.max(this.period - took, Math.min(LONGEST_REST_MS, REST * took));
+    return Math.max(Math.max(this.period, RELIEF[this.relief][1]) - took, Math.min(LONGEST_REST_MS, REST * took));
   }
 
   // Counts a picture; true if the next shall have another resolution.
@@ -43,13 +52,14 @@ export class Resolution {
     if (++this.since === 1) return false; // the first of a size makes buffers, and programs
     const took = ended - began;
     this.mean = this.since === 2 ? took : this.mean + WEIGHT * (took - this.mean);
-    return this.since >= PATIENCE && this.#change();
+    return this.since >= PATIENCE && this.#change(WORTH);
   }
 
-  #change() {
-    const wanted = this.share * Math.sqrt(WANTED_MS / this.mean);
-    const share = Math.min(FINEST, Math.max(COARSEST, wanted));
-    if (Math.abs(share - this.share) < WORTH * this.share) return false;
+  #change(worth) {
+    const [finest] = RELIEF[this.relief];
+    const wanted = this.mean > 0 ? this.share * Math.sqrt(WANTED_MS / this.mean) : this.share;
+    const share = Math.min(finest, Math.max(COARSEST, wanted));
+    if (share === this.share || Math.abs(share - this.share) < worth * this.share) return false;
     this.share = share;
     this.since = 0;
     return true;

@@ -26,9 +26,11 @@ class View {
     this.element = element;
     this.station = station;
     this.tip = [NaN, NaN, NaN];
+    this.episode = 0; // counts what frames are of: the live crane, a replay
+    this.drawn = JSON.stringify(scene);
     this.cameras = new Cameras(canvas, scene);
     this.labels = new Labels(overlay(element, "labels"));
-    this.drawing = true; // a person may stop it: a busy computer drives better without
+    this.drawing = station.drawing = true; // a person may stop it: a busy computer drives better without
     this.rate = this.#rateButton();
     this.rate.textContent = "the first picture is on its way";
     element.append(viewButtons(this.cameras), legend());
@@ -48,9 +50,11 @@ class View {
     this.station.on("frame", ({ time, values }) => this.#sayValues({ kind: "frame", time, live: this.station.live }, values));
     this.station.on("ghost", (detail) => this.#ghost(detail));
     this.station.on("exercise", (exercise) => this.#exercise(exercise));
+    this.station.on("relief", (level) => this.#say({ kind: "relief", level }));
     this.station.on("taught", (taught) => this.#say({ kind: "taught", taught }));
     this.station.on("diagnostics", ({ parts }) => this.#trouble(this.station.live ? standingCause(parts, null, 0) : ""));
     this.station.on("parameters", ({ nodes }) => this.#settings(nodes.controller ?? {}));
+    this.station.on("replay", (replay) => this.#begin(replay ? "replay" : "live"));
     this.station.on("scene", (detail) => this.#change(detail ?? this.station.scene));
     this.#signals();
     this.#resize();
@@ -60,11 +64,21 @@ class View {
     this.#step(this.then); // the first picture is seen from there
   }
 
-  // A square that was just marked is looked at: from elsewhere it is a line.
+  // A square is looked at as long as it is there: from elsewhere it is a line.
   #exercise(exercise) {
-    if (exercise && !("exercise" in this.element.dataset)) this.cameras.lookAt(exercise.corners, exercise.size);
+    const isNew = exercise && !("exercise" in this.element.dataset);
     this.element.toggleAttribute("data-exercise", Boolean(exercise));
+    this.#cover();
+    if (isNew) this.cameras.watch(exercise.corners, exercise.size);
+    else if (!exercise) this.cameras.watch(null);
     this.#say({ kind: "exercise", exercise });
+  }
+
+  // What lies over a narrow picture hides what is behind it: the exercise is shown below.
+  #cover() {
+    const text = this.element.querySelector(":scope > #first_minute");
+    const bottom = text ? text.offsetTop + text.offsetHeight : 0;
+    this.cameras.covered = Math.min(0.5, bottom / Math.max(1, this.element.clientHeight));
   }
 
   // The figure of the drawing, which stops it and lets it go on.
@@ -75,7 +89,7 @@ class View {
     button.textContent = "the first picture is on its way";
     button.title = "Pictures drawn, and their resolution. A click stops the drawing: a busy computer drives better without.";
     button.addEventListener("click", () => {
-      this.drawing = !this.drawing;
+      this.drawing = this.station.drawing = !this.drawing;
       this.element.toggleAttribute("data-undrawn", !this.drawing);
       this.labels.show([]);
       button.textContent = this.drawing ? "the next picture is on its way" : "The drawing is stopped: click to draw.";
@@ -133,15 +147,28 @@ class View {
     if (this.station.live) this.#change(this.station.scene);
   }
 
+  // From here on come frames of something else: until one of them is drawn, what is drawn says nothing of it.
+  #begin(what) {
+    this.episode++;
+    this.element.dataset.awaits = what;
+    this.labels.show([]);
+    this.#say({ kind: "begin", episode: this.episode });
+  }
+
+  // A scene like the one that is drawn is drawn already: to make it anew takes seconds on a busy computer.
   #change(scene) {
     this.element.dataset.machine = scene.machine;
     this.cameras.frame(scene);
+    const text = JSON.stringify(scene);
+    if (text === this.drawn) return;
+    this.drawn = text;
     this.#say({ kind: "scene", scene });
   }
 
   #resize() {
     const { clientWidth: width, clientHeight: height } = this.element;
     if (!width || !height) return;
+    this.#cover();
     this.cameras.resize(width, height);
     this.labels.resize();
     this.#say({ kind: "size", width, height, ratio: Math.min(FINEST, devicePixelRatio) });
@@ -169,7 +196,9 @@ class View {
 
   #hear(message) {
     if (message.kind === "failed") return this.#fail(message.text);
-    if (!this.drawing) return; // it was on its way
+    if (!this.drawing || (this.episode > 0 && message.episode !== this.episode)) return this.#stepSoon(); // it was on its way
+    delete this.element.dataset.awaits;
+    this.station.emit("drawn", message.time);
     this.tip = message.tip;
     this.labels.show(message.labels);
     this.rate.textContent = rateText(message.rate, message.share);
@@ -178,6 +207,7 @@ class View {
   }
 
   #fail(text) {
+    this.station.drawing = false;
     this.rate.textContent = `The crane cannot be drawn: ${text}`;
     this.rate.classList.add("failed");
     this.element.dataset.failed = text;

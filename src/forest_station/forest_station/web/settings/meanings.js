@@ -24,5 +24,15 @@ const MEANINGS = {
   },
 };
 
-// The sentence of a setting's value; "" for one that explains itself.
-export const meaning = (name, value) => MEANINGS[name]?.[value] ?? "";
+const OF_A_JOINT = {
+  mode: {
+    rate: "The farther the stick, the faster the joint.",
+    position: "The farther the stick, the farther the joint from where the deadman was pressed.",
+  },
+  axis_frame: { cartesian: "Counts for schemes that move the tip.", cylindrical: "Counts for schemes that move the tip." },
+};
+
+// The sentence of a setting's value with a scheme; "" for one that explains itself.
+export function meaning(name, value, scheme) {
+  return (scheme === "joint" && OF_A_JOINT[name]?.[value]) || (MEANINGS[name]?.[value] ?? "");
+}
