@@ -26,9 +26,9 @@ from forest_description.types import Floats, Vec3
 from forest_msgs_py.types import PERIOD
 from forest_sim.equations.plant_parameters import PlantParameters
 from forest_sim.sensors.sensor_suite import Suite, calibrated, sensor_suite
-from forest_study.closed_loop import loop_kernel
+from forest_study.closed_loop import compiled_loop
 from forest_study.closed_loop.closed_loop import Trajectory
-from forest_study.closed_loop.loop_kernel import Led
+from forest_study.closed_loop.compiled_loop import Led
 from forest_study.closed_loop.path_guide import Hand
 from forest_study.measures import ideal
 from forest_study.tracking.scores import Drawn, Lap, Score, drawn, scores_of
@@ -114,7 +114,8 @@ def prepare(
     settings = controller_settings.Settings(scheme=scheme, tip_speed=speed, position_source=source)
     runs = plan(path, speed, controller_settings.parameters(model, settings), laps)
     end = runs[-1].start + runs[-1].profile.duration + REST
-    places = _places(PERIOD * np.arange(round(end / PERIOD) + 1, dtype=np.float64), runs)
+    times: Floats = PERIOD * np.arange(round(end / PERIOD) + 1, dtype=np.float64)
+    places = _places(times, runs)
     return Course(tuple(map(drawn, runs)), settings, model, places, Hand(speed))
 
 
@@ -131,7 +132,7 @@ def follow(
     for most in LONGEST:
         rows = np.ones((round(most * len(course.places)), 4))
         given = (machine, rows, start, course.settings, drive, course.model, suite, plant)
-        led = loop_kernel.prepared(*given).lead(course.places, course.hand)
+        led = compiled_loop.prepared(*given).lead(course.places, course.hand)
         if len(led.clock) < len(rows):
             return scored(course, led, machine)
     path = course.drawn[0].lap.path.name
