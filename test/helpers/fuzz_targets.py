@@ -38,7 +38,7 @@ from forest_msgs_py.serialization.packing import pack_joy
 from forest_msgs_py.serialization.unpacking import ArrayReader, JointReader, read_joy_data
 from forest_sim.sensors.sensor_faults import parse_faults
 from forest_sim.simulation.disturbance import parse_stuck_spools
-from forest_sim.simulation.load import parse_loads
+from forest_sim.simulation.load_schedule import parse_loads
 from forest_sim.simulation.voltage_profiles import InputError, read_voltages
 from forest_station.operator.hands_message import Hands, HandsError, decode_hands, encode_hands
 from forest_station.server.requests import read_request
