@@ -61,7 +61,9 @@ MODEL_VOLTS = 0.005  # [V] standard deviation of the valve's law itself; chosen,
 MODEL_SHARE = 0.02  # [1] the same as a share of x; chosen, not measured
 CLEAR = 4.0  # [1] standard deviations by which a flow must show: one in 16 000 by chance
 STRONG = 8.0  # [1] the same of a flow that tells of the gain, too: chance must not choose it; chosen
-UNSEEN = 0.25  # [1] of the deadband's first variance, which stays while no flow shows; chosen
+UNSEEN = (
+    0.25  # [1] of the deadband's first variance, left while no flow shows: the edge may be further; chosen
+)
 FINE = 0.35  # [1] of DEADBAND_SPREAD: in more noise hardly any flow would show; all count; chosen
 LAG_SPREAD = 0.006  # [s] by which a spool may be slower or quicker than its file says; chosen
 
