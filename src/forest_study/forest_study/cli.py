@@ -106,7 +106,7 @@ def _parser() -> argparse.ArgumentParser:
     commands = parser.add_subparsers(title="commands", required=True, metavar="COMMAND")
     for name, study, text in COMMANDS:
         command = command_line.subcommand(commands, name, text, _run)
-        command.set_defaults(name=name, study=study)
+        command.set_defaults(subcommand=(name, study))
         command.add_argument(
             "--out", type=Path, required=True, metavar="DIR", help="directory to be made, or empty"
         )
@@ -116,11 +116,12 @@ def _parser() -> argparse.ArgumentParser:
 
 def _run(options: argparse.Namespace) -> int:
     """Make the study; a path or a link that cannot be is told with the subcommand's name."""
-    study: Study = options.study
+    name: str = options.subcommand[0]
+    study: Study = options.subcommand[1]
     try:
         return study.run(options)
     except (LinkError, PathError) as error:
-        raise StudyError(f"{options.name}: {error}") from error
+        raise StudyError(f"{name}: {error}") from error
 
 
 if __name__ == "__main__":
