@@ -146,7 +146,7 @@ def test_behind_a_network_that_is_always_slow_nothing_moves(crane):
             async with StandInPage(f"http://127.0.0.1:{relay.port}", host) as page:
                 await page.take_seat()
                 hands = asyncio.create_task(page.drive())
-                await crane.ears.until(lambda: "slow" in page.seat["deadman"]["text"])
+                await crane.ears.until(lambda: "too late" in page.seat["deadman"]["text"])
                 hands.cancel()
             assert not any(joy.held for joy in crane.ears.joy)
 
