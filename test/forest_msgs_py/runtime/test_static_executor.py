@@ -1,7 +1,6 @@
 """The executor of every node: it calls what rclpy's own calls, whenever nodes get or lose it."""
 
 import threading
-import time
 
 import pytest
 
@@ -78,6 +77,18 @@ def test_what_a_callback_makes_is_called_and_what_it_destroys_is_not(node, execu
     assert set(said[said.index("new") :]) == {"new"}
 
 
+def test_what_another_thread_destroys_meanwhile_ends_nothing(node, executor, wait_until, monkeypatch):
+    said = []
+    timer(node, 0.01, lambda: said.append(1))
+    gone = timer(node, 0.01, lambda: None)
+    listed = list(node.timers)
+    node.destroy_timer(gone)
+    with monkeypatch.context() as stale:
+        stale.setattr(type(node), "timers", property(lambda _: iter(listed)))  # as read before it went
+        executor.spin_once(timeout_sec=0.0)
+    wait_until(lambda: said, executor=executor)
+
+
 def test_services_are_served_and_answers_reach_whoever_waits(node, executor, wait_until):
     node.create_service(Trigger, "ask", lambda _, answer: setattr(answer, "message", "here") or answer)
     client = node.create_client(Trigger, "ask")
@@ -91,7 +102,7 @@ def test_services_are_served_and_answers_reach_whoever_waits(node, executor, wai
 
 
 def test_a_service_is_served_though_messages_never_end(node, executor, wait_until):
-    timer(node, 1e-4, lambda: time.sleep(2e-4))  # always ready
+    timer(node, 0.0, lambda: None)  # always ready
     node.create_service(Trigger, "ask", lambda _, answer: answer)
     client = node.create_client(Trigger, "ask")
     wait_until(client.service_is_ready, executor=executor)

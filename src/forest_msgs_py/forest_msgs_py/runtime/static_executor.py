@@ -43,11 +43,11 @@ class StaticExecutor(SingleThreadedExecutor):  # type: ignore[misc]  # rclpy has
         if self._tasks:
             self._call_all()
             return
-        if self._collected is None:
-            self._collected = _Collection(self.get_nodes(), (self._guard, self._sigint_gc), self.context)
         try:
+            if self._collected is None:
+                self._collected = _Collection(self.get_nodes(), (self._guard, self._sigint_gc), self.context)
             ready = self._collected.wait(timeout_sec_to_nsec(timeout_sec))
-        except InvalidHandle:  # of an event whose subscription has been destroyed
+        except InvalidHandle:  # something has been destroyed, here or in another thread
             self._forget()
             return
         if ready.rare:
@@ -86,7 +86,7 @@ class StaticExecutor(SingleThreadedExecutor):  # type: ignore[misc]  # rclpy has
             self._collected = None
 
     def shutdown(self, timeout_sec: float | None = None) -> bool:
-        """End; see rclpy."""
+        """End, after at most `timeout_sec` [s] (None: for ever); tell whether all callbacks have ended."""
         self._forget()
         done: bool = super().shutdown(timeout_sec)
         return done
@@ -116,11 +116,12 @@ class _Collection:
             (one.get_num_entities() for one in self._waitables),
             start=NumberOfEntities(*map(len, by_kind.values())),
         )
-        self._kept = ExitStack()
-        for one in (*chain.from_iterable(by_kind.values()), context):
-            self._kept.enter_context(one.handle)
-        for one in self._waitables:
-            self._kept.enter_context(one)
+        with ExitStack() as kept:
+            for one in (*chain.from_iterable(by_kind.values()), context):
+                kept.enter_context(one.handle)
+            for one in self._waitables:
+                kept.enter_context(one)
+            self._kept = kept.pop_all()
         self._wait_set = rclpy_implementation.WaitSet(
             *(getattr(count, name) for name in NumberOfEntities.__slots__), context.handle
         )
