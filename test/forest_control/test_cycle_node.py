@@ -4,7 +4,7 @@ import pytest
 
 rclpy = pytest.importorskip("rclpy")
 
-from clock_by_hand import HandClock
+from clock_by_hand import HandClock, to_cdr
 from rclpy.parameter import Parameter
 
 from forest_control import cycle_node
@@ -45,6 +45,9 @@ class NodeClock(HandClock):
     def publisher(self, topic):
         return self.publishers.setdefault(topic.name, Publisher())
 
+    def on(self, _topic, _call):
+        """The rig calls by itself."""
+
     def every(self, _period, call):
         self.ticks.append(call)
 
@@ -73,7 +76,9 @@ class Rig:
         if heard:
             status = (1.0, 0.0, float(self.armed), 1.0, 0.0)
             self.clock.put(topics.CONTROLLER_STATUS, float_array(topics.CONTROLLER_STATUS, 1, status))
-        self.node._on_tip(pose_stamped(1, "base_link", (*self.tip, 0.0, 0.0, 0.0, 1.0)))
+        self.node._on_tip(
+            to_cdr(pose_stamped(1, "base_link", (*self.tip, 0.0, 0.0, 0.0, 1.0))), self.clock.time
+        )
 
     def said_of_diagnostics(self):
         (message,) = self.clock.publisher(topics.DIAGNOSTICS).said[-1]
@@ -103,7 +108,7 @@ def rig(monkeypatch, domain_id, tmp_path):
     save_cycle(Cycle("go", (Pose("there", (5.5, 0.8, 1.0), 0.3),)), tmp_path)
     try:
         made = Rig(monkeypatch)
-        made.once()
+        made.once(gap=1.5 * cycle_node.RESTING_PERIOD)
         yield made
         made.node.destroy_node()
     finally:
@@ -186,6 +191,28 @@ def test_the_button_pauses_when_it_goes_down_and_goes_on_when_it_does_again(runn
     running.once()
     running.once()
     assert running.phase == Phase.RUNNING
+
+
+def test_at_rest_it_looks_now_and_then_and_under_way_at_each_pose(running):
+    seen, read = [], running.node._inputs.seen
+    running.node._inputs.seen = lambda *given: seen.append(given) or read(*given)
+    for _ in range(8):
+        running.once()
+    assert len(seen) == 8
+    assert running.ask("stop")[0]
+    for _ in range(100):
+        running.once()
+    assert running.phase == Phase.IDLE
+    seen.clear()
+    for _ in range(8):
+        running.once(gap=cycle_node.RESTING_PERIOD / 3.9)
+    assert len(seen) == 2
+
+
+def test_bytes_that_are_no_pose_move_nothing(running):
+    before = len(running.commands)
+    running.node._on_tip(b"\0\1\0\0 no pose", running.clock.time)
+    assert len(running.commands) == before
 
 
 def test_what_is_driven_is_taught_under_the_labels_name(rig, tmp_path):

@@ -29,8 +29,10 @@ from forest_msgs_py.runtime.node_parameters import Tunables, declare
 from forest_msgs_py.runtime.parameter_table import MachineParameter, table_of
 from forest_msgs_py.runtime.services import offer_triggers
 from forest_msgs_py.safety.diagnostics import Diagnostics
+from forest_msgs_py.serialization.unpacking import read_position
 
 STATUS_PERIOD = 0.1  # [s] between two messages on cycle/status
+RESTING_PERIOD = 0.02  # [s] between two looks at tip and button while nothing is played or taught; chosen
 PART = "taught work"  # on /diagnostics
 
 
@@ -56,7 +58,7 @@ class CycleNode(Node):
         self._diagnostics.watch(PART, self._report)
         self._inputs = CycleInputs(clock, p.centre, p.button)
         self._last = clock.now()
-        subscription(self, topics.TIP_POSE, self._on_tip)
+        clock.on(topics.TIP_POSE, self._on_tip)
         subscription(self, topics.JOINT_TRAJECTORY, self._on_trajectory)
         clock.every(STATUS_PERIOD, self._tell)
 
@@ -76,10 +78,15 @@ class CycleNode(Node):
         self.get_logger().info(said)
         return done, said
 
-    def _on_tip(self, message: Any) -> None:
-        now, place, stamp = self._node_clock.now(), message.pose.position, self._node_clock.stamp()
-        dt, self._last = now - self._last, now
-        output = self._work.advance(self._inputs.seen((place.x, place.y, place.z), stamp), dt)
+    def _on_tip(self, data: bytes, _sent: float) -> None:
+        now = self._node_clock.now()
+        dt = now - self._last
+        if self._work.rests and dt < RESTING_PERIOD:
+            return
+        tip, stamp, self._last = read_position(data), self._node_clock.stamp(), now
+        if tip is None:
+            return
+        output = self._work.advance(self._inputs.seen(tip, stamp), dt)
         if output.command is not None:
             self._command.publish(stamp, to_values(self._work.run, output.command))
         if output.event:

@@ -19,6 +19,7 @@ from forest_msgs_py.interfaces import topics
 from forest_msgs_py.runtime.node import run_node, subscription
 from forest_msgs_py.runtime.node_parameters import declare
 from forest_msgs_py.safety.diagnostics import Diagnostics
+from forest_msgs_py.serialization.unpacking import read_position
 
 TOLD_PERIOD = 0.1  # [s] between two looks whether /diagnostics has news
 PART = "program's velocity"  # on /diagnostics
@@ -37,7 +38,7 @@ class TwistNode(Node):
         self._inputs = CycleInputs(clock, p.centre)
         self._follower, self._wish = Follower(), NO_WISH
         subscription(self, topics.TWIST_WISH, self._on_wish)
-        subscription(self, topics.TIP_POSE, self._on_tip)
+        clock.on(topics.TIP_POSE, self._on_tip)
         clock.every(TOLD_PERIOD, self._tell)
 
     def _on_wish(self, message: Any) -> None:
@@ -50,9 +51,11 @@ class TwistNode(Node):
             self._wish, problem = NO_WISH, str(error)
         self._diagnostics.note(PART, problem)
 
-    def _on_tip(self, message: Any) -> None:
-        place, stamp = message.pose.position, self._node_clock.stamp()
-        seen, now = self._inputs.seen((place.x, place.y, place.z), stamp), self._node_clock.now()
+    def _on_tip(self, data: bytes, _sent: float) -> None:
+        tip, stamp = read_position(data), self._node_clock.stamp()
+        if tip is None:
+            return
+        seen, now = self._inputs.seen(tip, stamp), self._node_clock.now()
         self._follower, command = twist_follower.step(self._follower, self._wish, seen, now)
         if command is not None:
             self._command.publish(stamp, to_values(self._follower.run, command))

@@ -12,9 +12,15 @@ from sensor_msgs.msg import JointState, Joy
 from std_msgs.msg import Float64MultiArray
 
 from forest_msgs_py.interfaces import messages, topics
-from forest_msgs_py.interfaces.messages import float_array, joint_state, ns_to_stamp, sensor_array
+from forest_msgs_py.interfaces.messages import (
+    float_array,
+    joint_state,
+    ns_to_stamp,
+    pose_stamped,
+    sensor_array,
+)
 from forest_msgs_py.serialization.cdr import to_cdr
-from forest_msgs_py.serialization.unpacking import ArrayReader, JointReader, read_joy_data
+from forest_msgs_py.serialization.unpacking import ArrayReader, JointReader, read_joy_data, read_position
 
 STAMP, NOW = 1_700_000_000_123_456_789, 5
 NAN, INF = math.nan, math.inf
@@ -99,6 +105,15 @@ def test_levers_read_as_their_message(encode, axes, frame):
     reading, told = read_joy_data(encode(message), 4, 1)
     assert repr(reading) == repr(messages.read_joy(message, 4, 1))
     assert told == frame
+
+
+@ENCODERS
+@pytest.mark.parametrize("frame", ["", "map", "base_link", "Ärm"])
+def test_a_position_reads_as_its_message(encode, frame):
+    data = encode(pose_stamped(STAMP, frame, (1.0, -2.5, 3.0, 0.0, 0.0, 0.6, 0.8)))
+    assert read_position(data) == (1.0, -2.5, 3.0)
+    assert read_position(data[:30]) is None
+    assert read_position(b"") is None
 
 
 def test_bytes_that_are_no_message_are_a_bad_reading():

@@ -72,6 +72,11 @@ class TaughtWork:
         return Phase.RECORDING if self._recording else self._state.phase
 
     @property
+    def rests(self) -> bool:
+        """Whether nothing is played, taught, or waits for a person."""
+        return self.phase in (Phase.IDLE, Phase.FINISHED)
+
+    @property
     def run(self) -> float:
         """Number of the run that is under way, or was the last."""
         return self._state.run

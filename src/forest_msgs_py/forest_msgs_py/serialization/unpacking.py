@@ -42,6 +42,8 @@ DOUBLE = 8  # bytes
 AFTER_STAMP = FIRST + 8
 _JOINT_STATE = message_class(unlisted("", topics.JOINT_STATE))
 _JOY = message_class(topics.JOY)
+_POSE = message_class(topics.TIP_POSE)
+_POSITION = struct.Struct("<3d")
 _UNREADABLE = "bytes that are no such message; allowed: %s"
 
 Pick = Callable[[Sequence[float]], tuple[float, ...]]
@@ -185,6 +187,22 @@ def _joy(data: bytes, min_axes: int, min_buttons: int) -> tuple[Reading, str]:
     (count,) = struct.unpack_from("<I", data, place)
     values = JoyValues(axes, struct.unpack_from(f"<{count}i", data, place + 4))
     return judged_joy(_header_stamp(data), values, min_axes, min_buttons), frame
+
+
+def read_position(data: bytes) -> tuple[float, float, float] | None:
+    """Position of a PoseStamped; None: the bytes are none."""
+    try:
+        if not _is_plain_cdr(data):
+            raise struct.error
+        behind = _after_string(data, AFTER_STAMP)
+        x, y, z = _POSITION.unpack_from(data, FIRST + aligned(behind - FIRST, DOUBLE))
+        return x, y, z
+    except struct.error:
+        message = decoded(data, _POSE)
+    if message is None:
+        return None
+    place = message.pose.position
+    return place.x, place.y, place.z
 
 
 def decoded(data: bytes, kind: Any) -> Any:
