@@ -1,5 +1,6 @@
 """Claims about the valve driver as a process: valves follow fresh, finite commands, else they are centred."""
 
+import itertools
 import math
 import signal
 import time
@@ -44,6 +45,10 @@ def volts(message):
     return reading.values
 
 
+def stamp(message):
+    return read_float_array(topics.VALVE_VOLTAGES, message, 0).stamp_ns
+
+
 def compensated(measured=valve_driver.UNSEEN, values=COMMAND, **settings):
     p = valve_driver_parameters.parameters(
         load_machine("c180_hoses"), Settings(**{"beyond_valve": False, **settings})
@@ -61,7 +66,7 @@ class Rig:
         self.peer = peer
         self.process = start_node("valve_driver_node", "-p", "beyond_valve:=false", *ros_args)
         self.voltages = peer.hear(topics.VALVE_VOLTAGES)
-        self.command, self.said = command, []  # s, when it was
+        self.command, self.said, self.answered = command, [], False  # ns, when it was
 
     def drive(self):
         self.timer = self.peer.repeat(topics.VALVE_COMMANDS, self.say, 200.0)
@@ -69,10 +74,11 @@ class Rig:
         return self
 
     def say(self, now):
-        """After a stall of ours say zero first, as a controller does: the driver waits for that."""
-        stalled = bool(self.said) and now * 1e-9 - self.said[-1] > STALLED
-        self.said.append(now * 1e-9)
-        return command(now, ZERO) if stalled else self.command(now)
+        """Say zero first, and after a stall of ours, as a controller does: the driver waits for that."""
+        stalled = bool(self.said) and (now - self.said[-1]) * 1e-9 > STALLED
+        self.answered = self.answered or any(stamp(message) in self.said for message in self.voltages)
+        self.said.append(now)
+        return self.command(now) if self.answered and not stalled else command(now, ZERO)
 
     def at(self, values):
         return self.voltages and volts(self.voltages[-1]) == pytest.approx(values, rel=1e-6)
@@ -123,7 +129,7 @@ def test_commands_become_compensated_voltages_with_the_same_stamp(rig, peer):
     r.command = stamped
     r.drive()
     assert volts(r.voltages[-1]) == pytest.approx(compensated(), rel=1e-12)
-    assert read_float_array(topics.VALVE_VOLTAGES, r.voltages[-1], 0).stamp_ns in stamps
+    assert stamp(r.voltages[-1]) in stamps
 
 
 def test_measured_pressures_change_the_voltage_and_their_loss_brings_the_nominal_drop_back(rig, peer):
@@ -199,7 +205,7 @@ def test_an_array_typed_by_hand_is_accepted(rig, peer):
     before = peer.node.get_clock().now().nanoseconds
     r.drive()
     assert volts(r.voltages[-1]) == pytest.approx(compensated(), rel=1e-12)
-    assert read_float_array(topics.VALVE_VOLTAGES, r.voltages[-1], 0).stamp_ns >= before
+    assert stamp(r.voltages[-1]) >= before
 
 
 def test_a_shadow_publishes_no_voltage(rig, peer):
@@ -221,10 +227,11 @@ def test_namespace_remaps_and_plain_arrays_work(peer, start_node):
     heard, elsewhere = peer.hear(topics.VALVE_VOLTAGES, "/crane1/amplifier"), peer.hear(topics.VALVE_VOLTAGES)
     options = ("-r", "__ns:=/crane1", "-r", "valve_commands:=x", "-r", "valve_voltages:=amplifier")
     start_node("valve_driver_node", *options, "-p", "plain_arrays:=true", "-p", "beyond_valve:=false")
-    speaker = peer.speak(topics.VALVE_COMMANDS, "/crane1/x")
+    speaker, stamps = peer.speak(topics.VALVE_COMMANDS, "/crane1/x"), itertools.count(1)
 
     def answered():
-        speaker.publish(command(1))
+        speaker.publish(command(0, ZERO))
+        speaker.publish(command(next(stamps)))
         return heard and heard[-1].data[0] != 0.0
 
     peer.until(answered)
@@ -340,11 +347,15 @@ def test_it_tells_what_it_knows_of_its_valves(rig, peer):
     r = rig("-p", "adapt:=true")
     r.command = lambda now: command(now, (0.0, 10.0, 0.0))
     r.drive()
-    peer.until(lambda: heard)
-    reading = read_float_array(topics.VALVE_DRIVER_STATUS, heard[-1], 0)
-    assert reading.problem == ""
-    known = dict(zip(topics.VALVE_DRIVER_STATUS.labels, reading.values, strict=True))
-    assert (known["swing_saturated"], known["boom_saturated"]) == (0.0, 1.0)
+
+    def told():
+        reading = read_float_array(topics.VALVE_DRIVER_STATUS, heard[-1], 0)
+        assert reading.problem == ""
+        return dict(zip(topics.VALVE_DRIVER_STATUS.labels, reading.values, strict=True))
+
+    peer.until(lambda: heard and told()["boom_saturated"] == 1.0)
+    known = told()
+    assert known["swing_saturated"] == 0.0
     assert known["stick_backward_deadband"] == load_machine("c180_hoses").valve.deadband_voltage
     assert known["boom_forward_gain"] == 1.0
     assert known["boom_forward_deadband_spread"] > 0.0

@@ -1,4 +1,4 @@
-"""The commander says what its file says, and ends with it at zero."""
+"""The commander says zero, what its file says, and ends with it at zero."""
 
 import pytest
 
@@ -15,7 +15,7 @@ def start(start_process, path):
     return start_process(["-m", COMMANDER, "--ros-args", "-p", f"input:={path}"])
 
 
-def test_once_heard_it_says_its_file_row_by_row_and_ends_at_zero(peer, start_process, tmp_path):
+def test_once_heard_it_says_zero_and_its_file_row_by_row_and_ends_at_zero(peer, start_process, tmp_path):
     (tmp_path / "volts.csv").write_text(ROWS)
     process = start(start_process, tmp_path / "volts.csv")
     peer.until(lambda: "commander" in peer.node.get_node_names())
@@ -24,7 +24,7 @@ def test_once_heard_it_says_its_file_row_by_row_and_ends_at_zero(peer, start_pro
     assert process.returncode == 0, process.text()
     peer.until(lambda: values(heard[-1]) == (0.0, 0.0, 0.0))
     said = [values(message) for message in heard]
-    assert list(dict.fromkeys(said)) == [(1.5, 0.0, 0.0), (0.0, -2.0, 0.0), (0.0, 0.0, 0.0)]
+    assert list(dict.fromkeys(said)) == [(0.0, 0.0, 0.0), (1.5, 0.0, 0.0), (0.0, -2.0, 0.0)]
 
 
 def values(message):

@@ -19,6 +19,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from graph_processes import NODES, alive, nodes_of
 from rclpy.qos import QoSProfile, ReliabilityPolicy
+from shouter import SHOUTED
 from stall import Stall
 
 from forest_bringup.graph import graph_nodes, parse_options
@@ -191,7 +192,7 @@ class LiveCrane:
             process.stop()
         self.ears.read()
         act = self.played() + REST
-        opened = [at for at, volts in self.ears.volts if any(volts)]
+        opened = [at for at, volts in self.ears.volts if any(volts) and volts != SHOUTED]
         meanwhile = [at for at in opened if self._fault <= at < min(healed, act)]
         last = max(meanwhile, default=self._fault)
         stops = last < min(healed, act) - 0.2

@@ -15,6 +15,8 @@ from forest_msgs_py.interfaces.topic_qos import qos
 from forest_msgs_py.interfaces.topics import find, message_class
 from forest_msgs_py.runtime.environment import prepare_environment
 
+SHOUTED = 3.0, 3.0, 3.0  # [V]
+
 
 def main(name: str, rate_hz: float) -> None:
     prepare_environment()
@@ -31,7 +33,7 @@ def main(name: str, rate_hz: float) -> None:
             message = message_class(topic)(axes=[0.0] * AXIS_COUNT, buttons=[0] * BUTTON_COUNT)
             message.header.stamp = messages.ns_to_stamp(now)
         else:
-            message = messages.float_array(topic, now, (3.0, 3.0, 3.0))
+            message = messages.float_array(topic, now, SHOUTED)
         publisher.publish(message)
         said += 1
         time.sleep(max(0.0, begun + said / rate_hz - time.monotonic()))

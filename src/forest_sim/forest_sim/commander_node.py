@@ -1,6 +1,7 @@
 """Says /valve_commands from a file, for experiments with the valves: in place of the controller.
 
-Live at 200 Hz, from when somebody listens, and it ends with the file; in lockstep once a step.
+Live at 200 Hz, from when somebody listens, and it ends with the file; in lockstep once a step. A valve
+driver obeys nobody who has not said zero: live it says so first, in lockstep the file has to.
 """
 
 import sys
@@ -36,8 +37,10 @@ class CommanderNode(Node):
 
     def _on_timer(self) -> None:
         if self._begun is None:
-            if not self._node_clock.lockstep and not self._is_heard():
-                return
+            if not self._node_clock.lockstep:
+                if not self._is_heard():
+                    return
+                self._command.publish(self._node_clock.stamp(), ZERO)
             self._begun = self._node_clock.now()
         elapsed = self._node_clock.now() - self._begun
         if elapsed > self._input.duration and not self._node_clock.lockstep:

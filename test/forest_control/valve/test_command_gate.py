@@ -24,8 +24,17 @@ def clock():
 
 
 @pytest.fixture
-def gate(clock):
+def new_gate(clock):
     return CommandGate(0.1, clock)
+
+
+@pytest.fixture
+def gate(new_gate, clock):
+    """A gate that has heard zero, longer ago than the timeout."""
+    clock.now = 9.85
+    new_gate.decide(Command(ZERO, 0, 9.85), False)
+    clock.now = 10.0
+    return new_gate
 
 
 def command(values=ASKED, stamp=5 * MS, age=0.0, problem=""):
@@ -43,10 +52,18 @@ def test_no_two_verdicts_are_one():
     assert [int(verdict) for verdict in Verdict] == [0, 1, 2, 3]
 
 
-def test_before_the_first_command_it_is_lost(gate):
-    assert gate.problem == ""
-    assert gate.is_lost()
-    assert gate.against_reset() == ""
+def test_before_the_first_command_it_is_lost(new_gate):
+    assert new_gate.problem == ""
+    assert new_gate.is_lost()
+    assert new_gate.against_reset() == ""
+
+
+def test_a_driver_that_starts_in_mid_motion_moves_nothing_before_a_command_was_zero(new_gate):
+    assert new_gate.decide(command(), False) == Verdict.CENTRE
+    assert new_gate.problem.startswith("valve_commands: not zero at the start")
+    assert new_gate.decide(command(ZERO, stamp=6 * MS), False) == Verdict.STEP
+    assert new_gate.decide(command(stamp=7 * MS), False) == Verdict.STEP
+    assert new_gate.problem == ""
 
 
 @pytest.mark.parametrize(("age", "verdict"), [(0.09, Verdict.STEP), (0.11, Verdict.SKIP)])
@@ -104,7 +121,7 @@ def test_commands_that_come_back_after_they_were_gone_move_nothing_before_one_wa
     clock.now = 10.31
     for k in range(3):
         assert gate.decide(later(ASKED, 6 + k, 10.31), False) == Verdict.CENTRE
-        assert gate.problem.startswith("valve_commands: were gone, and came back not zero")
+        assert gate.problem.startswith("valve_commands: not zero at the start or after a gap")
         assert not gate.is_lost()
         assert gate.against_reset() == "a command is not zero; release the deadman"
     assert gate.decide(later(ZERO, 9, 10.31), False) == Verdict.STEP

@@ -6,13 +6,13 @@
 | it is not zero, and its stamp stands still or goes back | REFUSE |
 | it cannot be read | CENTRE |
 | the emergency stop is pressed | CENTRE |
-| none in time was good for `GONE`, and none since was zero | CENTRE |
+| none in time was good for `GONE`, or ever, and none since was zero | CENTRE |
 | no command for the timeout (`is_lost`) | CENTRE |
 | none of these | STEP |
 
 Commands that were gone for long must be zero once before they count again: the levers are let go. Meanwhile
 the controller may have gone on, and its reference with it. What this process itself slept through was gone,
-too.
+too, and what was said before it began: a driver that is started anew in mid-motion moves nothing.
 """
 
 import math
@@ -25,7 +25,7 @@ from forest_msgs_py.runtime import stamp_order
 
 GONE = 0.3  # [s] in which a reference goes 0.15 m at 0.5 m/s: the valves shut sooner, and open again
 NOT_ZERO = "a command is not zero; release the deadman"
-CAME_BACK = "valve_commands: were gone, and came back not zero; allowed: zero first, release the deadman"
+AT_ONCE = "valve_commands: not zero at the start or after a gap; allowed: zero first, release the deadman"
 
 
 class Verdict(IntEnum):
@@ -73,11 +73,11 @@ class CommandGate:
                 return Verdict.REFUSE  # what is past moves nothing; `is_lost` acts if nothing newer comes
         if self.problem:
             return Verdict.CENTRE
-        was_gone = self._sent > -math.inf and command.sent - self._sent > GONE
+        was_gone = command.sent - self._sent > GONE  # before the first they were, for ever
         self._waits = (self._waits or was_gone) and command.values != ZERO
         self._sent, self._values = command.sent, command.values
         if self._waits:
-            self.problem = CAME_BACK
+            self.problem = AT_ONCE
         return Verdict.CENTRE if pressed or self._waits else Verdict.STEP
 
     def is_lost(self) -> bool:
