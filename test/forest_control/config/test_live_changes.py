@@ -6,11 +6,11 @@ from itertools import permutations
 import numpy as np
 import pytest
 
+from forest_control import compiled
 from forest_control.config import controller_settings
 from forest_control.config.controller_settings import Settings
 from forest_control.operator.levers import Levers
 from forest_control.operator.operator_profile import Mode
-from forest_control.pipeline import controller
 from forest_control.pipeline.control_state import REST, Inputs
 from forest_control.servo.schemes import Scheme
 from forest_description.derived.actuator_kinematics import actuator_speeds_to_joint_rates, rated_speeds
@@ -32,7 +32,7 @@ class Crane:
 
     def __init__(self, settings):
         self.p, self.state = controller_settings.parameters(MACHINE, settings), REST
-        self.angles, self.rates, self.commands = START, ZERO, []
+        self.angles, self.rates, self.step = START, ZERO, compiled.controller_step()
 
     def play(self, levers, seconds, seen=lambda q: q):
         """Hold levers, the angles seen through sensors; return commands [N, 3] V and tips [N, 3] m."""
@@ -40,12 +40,12 @@ class Crane:
         commands, tips = [], []
         for _ in range(round(seconds / PERIOD)):
             inputs = Inputs(seen(self.angles), self.rates, levers, True)
-            self.state, output = controller.step(self.state, inputs, self.p, PERIOD)
-            moving = tuple(c / 10.0 * v for c, v in zip(output.command, speeds, strict=True))
+            self.state, told = self.step(self.state, inputs, self.p, PERIOD)
+            moving = tuple(c / 10.0 * v for c, v in zip(told.output.command, speeds, strict=True))
             wanted = actuator_speeds_to_joint_rates(self.angles, moving, MACHINE.linkages)
             self.rates = tuple(v + weight * (u - v) for v, u in zip(self.rates, wanted, strict=True))
             self.angles = tuple(q + PERIOD * v for q, v in zip(self.angles, self.rates, strict=True))
-            commands.append(output.command)
+            commands.append(told.output.command)
             tips.append(tip_position(self.angles, LINKS))
         return np.array(commands), np.array(tips)
 
@@ -114,7 +114,7 @@ def test_the_clutch_follows_the_deadman():
     crane = Crane(Settings(mode=Mode.POSITION))
     crane.play(Levers(0.0, 0.0, 0.5), 4.0)
     off = Inputs(crane.angles, ZERO, Levers(0.0, 0.0, 0.5), False)
-    crane.state, _ = controller.step(crane.state, off, crane.p, PERIOD)
+    crane.state, _ = crane.step(crane.state, off, crane.p, PERIOD)
     _, tips = crane.play(Levers(0.0, 0.0, 0.0), 1.0)  # centred again, it stays where it was let go
     assert tips[-1][0] == pytest.approx(5.75, abs=0.004)
 

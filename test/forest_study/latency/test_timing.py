@@ -60,7 +60,7 @@ def test_a_driver_that_took_its_voltages_to_be_in_time_would_throw_the_tip_off(l
     def trusting(state, command, pressures, motion, p, dt):
         return step(state, command, pressures, motion, p, timing.PERIOD)
 
-    monkeypatch.setattr(closed_loop.valve_driver, "step", trusting)
+    monkeypatch.setattr(closed_loop.compiled, "driver_step", lambda: trusting)
     thrown = score(replayed(thesis(), late, C180), thesis())
     assert thrown["governed"]["max"] > 2.0 * robust["governed"]["max"]
     assert thrown["wish"]["max"] > robust["wish"]["max"]
