@@ -36,5 +36,8 @@ mv "$work/three" "$work/node_modules"
     --log-level=warning --outfile="$vendor/three.js")
 
 fetch uplot 1.6.32 "KIMVnG68zvu5XXUbC4LQEPnhwOxBuLyW1AHtpm6IKTXImkbLgkMy+jabjLgSLMasNuGGzQm/ep3tOkyTxpiQIw=="
-cp "$work/uplot/dist/uPlot.esm.js" "$vendor/uplot.js"
+# On a graphics process the page's thread would wait for the pictures of the scene: for up to a second where the processor
+# draws them. A canvas that is read often is drawn by the page's own process.
+sed 's/can\.getContext("2d")/can.getContext("2d", { willReadFrequently: true })/' "$work/uplot/dist/uPlot.esm.js" >"$vendor/uplot.js"
+grep -q willReadFrequently "$vendor/uplot.js"
 cp "$work/uplot/dist/uPlot.min.css" "$vendor/uplot.css"

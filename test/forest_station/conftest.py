@@ -2,7 +2,7 @@
 
 import pytest
 from browser import launched
-from page_stand_in import ADDRESS, WEB
+from page_stand_in import ADDRESS, serve_file
 from playwright.sync_api import sync_playwright
 
 
@@ -24,10 +24,7 @@ def browser(playwright):
 def js(browser):
     """Calls an arrow function with a module of the page, and with an argument."""
     page = browser.new_page()
-    page.route(
-        f"{ADDRESS}/web/**",
-        lambda route: route.fulfill(path=WEB.parent / route.request.url[len(ADDRESS) + 1 :]),
-    )
+    page.route(f"{ADDRESS}/web/**", serve_file)
     page.route(ADDRESS + "/", lambda route: route.fulfill(body="", content_type="text/html"))
     page.goto(ADDRESS + "/")
     yield lambda module, function, argument=None: page.evaluate(

@@ -279,7 +279,7 @@ def test_one_click_stops_and_a_refused_reset_tells_why(met: PageStandIn) -> None
     met.page.wait_for_selector("text=controller: stopped")
     met.refusals["reset_emergency_stop"] = "refused: the levers must be centred and the deadman released"
     met.page.get_by_role("button", name="Reset").click()
-    met.page.wait_for_selector("text=refused: the levers must be centred")
+    met.page.wait_for_selector("#message :text('STOPPED. Not reset: refused: the levers must be centred')")
     met.tell_seat(driver="operator 2")
     met.tell("emergency_stop", active=True, sources=sources)
     met.page.wait_for_selector("#emergency_stop button:disabled:text-is('Reset')")
@@ -294,7 +294,7 @@ def test_a_reset_waits_until_the_deadman_is_let_go(met: PageStandIn) -> None:
     met.tell("emergency_stop", active=True, sources=[{"name": "controller", "state": "stopped"}])
     reset = met.page.get_by_role("button", name="Reset")
     reset.click()
-    met.page.wait_for_selector("text=Not reset: let go of the deadman first.")
+    met.page.wait_for_selector("#message :text('STOPPED. Not reset: let go of the deadman first.')")
     met.page.keyboard.up("Shift")
     reset.click()
     met.page.wait_for_selector("text=Not reset", state="hidden")
@@ -388,7 +388,7 @@ def test_what_the_server_says_stands_in_the_way_is_shown(met: PageStandIn) -> No
     met.page.wait_for_selector(f"#message :text('{TOO_LATE} Hold the left Shift key')")
 
 
-PARTS = ("#left", "#scene", "#right", "#bottom", ".stop", "#diagnostics + section", "#drawer-button")
+PARTS = ("#left", "#scene", "#right", "#bottom", ".stop", "#diagnostics ~ #recording", "#drawer-button")
 PLACES = """(parts) => [...parts, "#message"].map((name) => {
   const { x, y, width, height } = document.querySelector(name).getBoundingClientRect();
   return name === "#message" ? [y, height] : [x, y, width, height];  // beside it a reset may stand
@@ -465,17 +465,3 @@ def test_the_sticks_are_named_anew_with_the_scheme(met: PageStandIn) -> None:
         }
         met.tell("parameters", nodes={"controller": {"scheme": set_to}})
         met.page.wait_for_selector(f"#left_stick .away span:text('{words}')")
-
-
-def test_a_page_that_is_late_rests_its_charts_and_says_so(met: PageStandIn) -> None:
-    met.page.keyboard.down("Shift")
-    wait(met, lambda hands: hands.held)
-    met.page.keyboard.up("Shift")  # what was told of the hands before is done with
-    wait(met, lambda hands: not hands.held)
-    for _ in range(2):
-        met.page.clock.fast_forward(60)
-    met.page.wait_for_selector("body[data-relief='1']")
-    met.page.wait_for_selector("#message :text('the charts rest')")
-    for _ in range(20):
-        met.page.clock.run_for(500)
-    met.page.wait_for_selector("body[data-relief='0']")

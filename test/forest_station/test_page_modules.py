@@ -1,6 +1,5 @@
 """The page's pure modules, imported by a browser: what the hands, the history and the instruments compute."""
 
-import itertools
 from typing import Any
 
 import pytest
@@ -435,45 +434,45 @@ def test_who_holds_the_deadman_of_a_controller_that_stands_reads_why_and_what_to
     assert js("hands/why.js", STANDING, [parts, logged, now]) == said
 
 
-def test_a_page_that_is_late_rests_its_charts_first_then_its_pictures_and_gives_back_in_calm(js: Js) -> None:
-    steps = """(m) => {
-      const relief = new m.Relief();
-      const told = [];
-      let now = 0;
-      const look = (gap, times) => {
-        for (let i = 0; i < times; i++) {
-          if (relief.look(gap, (now += gap))) told.push([relief.level, Math.round(now / 1000)]);
-        }
-      };
-      look(20, 500);
-      look(60, 1);
-      look(20, 500); // one late look is an accident
-      const accident = told.length;
-      look(60, 100);
-      look(20, 1500);
-      return [accident, told];
-    }"""
-    accident, told = js("relief.js", steps)
-    assert accident == 0
-    assert [level for level, _ in told] == [1, 2, 3, 2, 1, 0]
-    assert told[2][1] - told[0][1] in (2, 3)  # each step shows its worth before the next
-    assert all(8 <= later - earlier <= 9 for (_, earlier), (_, later) in itertools.pairwise(told[3:]))
-
-
-def test_what_was_given_back_too_early_comes_back_later(js: Js) -> None:
-    steps = """(m) => {
-      const relief = new m.Relief();
-      const waits = [];
-      let now = 0;
-      for (let round = 0; round < 3; round++) {
-        while (relief.level < 1) relief.look(60, (now += 60));
-        const late = now;
-        while (relief.level > 0) relief.look(20, (now += 20));
-        waits.push(Math.round((now - late) / 1000));
+@pytest.mark.parametrize(("software", "rest", "longest"), [(False, 1, 80), (True, 3, 1000)])
+def test_a_picture_that_takes_longer_gets_a_longer_rest_and_becomes_coarser(
+    js: Js, software: bool, rest: float, longest: float
+) -> None:
+    steps = """(m, [software, took]) => {
+      const resolution = new m.Resolution(software);
+      const shares = [resolution.share];
+      for (let i = 0, now = 0; i < 60; i++, now += took + resolution.rest()) {
+        if (resolution.drawn(now, now + took)) shares.push(resolution.share);
       }
-      return waits;
+      return [resolution.rest(), shares.at(-1)];
     }"""
-    assert js("relief.js", steps) == [8, 16, 32]
+    for took, reached in ((10, 1.0), (400, 0.3)):
+        rested, share = js("scene/resolution.js", steps, [software, took])
+        assert rested == pytest.approx(min(longest, rest * took))
+        assert share == reached
+
+
+def test_charts_are_drawn_one_after_the_other_and_rest_as_long_as_they_took(js: Js) -> None:
+    steps = """async (m) => {
+      const [begun, looks] = [performance.now(), []];
+      const [took, charts, until] = [15, 4, 1500];
+      const look = setInterval(() => looks.push(performance.now()), 5);
+      let drawn = 0;
+      const busy = { drawNew: () => {
+        for (const end = performance.now() + took; performance.now() < end; );
+        drawn++;
+        return performance.now() - begun < until;
+      } };
+      m.drawn({ drawNew: () => { throw new Error("of one chart"); } });
+      for (let i = 0; i < charts; i++) m.drawn(busy);
+      await new Promise((resolve) => setTimeout(resolve, until));
+      clearInterval(look);
+      return [drawn, Math.max(...looks.slice(1).map((time, i) => time - looks[i]))];
+    }"""
+    drawn, longest = js("instruments/drawing.js", steps)
+    rounds = 1.5 / (5 * 4 * 0.015)  # four charts of 15 ms in a fifth of the time
+    assert 4 <= drawn <= 4 * (rounds + 2)
+    assert longest < 60  # never all four at once
 
 
 def test_the_clock_of_the_hands_beats_every_20_ms_from_a_thread_of_its_own(js: Js) -> None:
@@ -556,14 +555,17 @@ def test_the_camera_follows_the_tip_of_an_exercise_below_the_text_until_somebody
       const corners = [[5, 0, 1], [5.8, 0, 1], [5.8, 0.8, 1], [5, 0.8, 1]];
       cameras.watch(corners, 0.8);
       const seen = (points) => {
-        cameras.camera.updateMatrixWorld();
         const { camera } = cameras;
+        camera.updateMatrixWorld();
+        camera.updateProjectionMatrix();
         const project = (point) => camera.position.clone().set(...point).project(camera);
         return points.map(project).map(({ x, y }) => [x, y]);
       };
       const views = [[5, 0, 1], [7.5, -2, 1], [3, 3, 2]].map((tip) => {
         cameras.step(100, 0, tip);
-        return seen([...corners, tip]);
+        const watched = [...corners, tip];
+        const middle = [0, 1, 2].map((i) => watched.map((point) => point[i]).sort((a, b) => a - b));
+        return seen([...watched, middle.map((sorted) => 0.5 * (sorted[0] + sorted.at(-1)))]);
       });
       cameras.controls.dispatchEvent({ type: "start" });
       const before = cameras.camera.position.toArray();
@@ -578,6 +580,7 @@ def test_the_camera_follows_the_tip_of_an_exercise_below_the_text_until_somebody
         for x, y in view:
             assert -1 < x < 1
             assert -1 < y < 1 - 2 * 0.3  # below what covers the upper 30 %
+        assert view[-1] == pytest.approx([0.0, -0.3], abs=1e-3)  # the middle of what is left
     assert stays < 0.1
     assert follows  # the button of the view brings it back
 

@@ -22,6 +22,15 @@ YOU = "operator 1"
 Js = Callable[..., Any]  # a module of the page, an arrow function of it and of an argument; gives its value
 
 
+def serve_file(route: Route) -> None:
+    """Serve a file of the page's folder; for one that is not there answer so, or the page waits for ever."""
+    path = WEB.parent / route.request.url.removeprefix(f"{ADDRESS}/").split("?")[0]
+    if path.is_file():
+        route.fulfill(path=path)
+    else:
+        route.fulfill(status=404)
+
+
 class PageStandIn:
     """What one page meets.
 
@@ -108,10 +117,8 @@ class PageStandIn:
         elif path.removeprefix("/web/") in self.dropped:
             text = self.dropped[path.removeprefix("/web/")]
             route.fulfill(body=text, content_type="text/javascript")
-        elif (WEB.parent / path[1:]).is_file():
-            route.fulfill(path=WEB.parent / path[1:])
         else:
-            route.fulfill(status=404)
+            serve_file(route)
 
     def _panels(self) -> dict[str, list[str]]:
         """Return the page's own panels, and those that were dropped in."""

@@ -4,9 +4,7 @@
 //   place: "top", "left", "right" or "bottom"; title: a short noun, "" for none;
 //   mount(element, station): builds its content once, and listens to the station from then on.
 
-import { handsOf } from "./hands/hands.js";
 import { layOut } from "./layout.js";
-import { relieve } from "./relief.js";
 import { Station } from "./station.js";
 import { drawScene } from "./scene/scene.js";
 
@@ -64,7 +62,6 @@ async function showCrane(station) {
 
 const station = new Station();
 layOut(station);
-relieve(station, handsOf(station));
 const { modules, styles } = await json("/panels.json");
 styles.forEach(addStyleSheet);
 const names = [...FIRST.filter((name) => modules.includes(name)), ...modules.filter((name) => !FIRST.includes(name))];

@@ -1,6 +1,6 @@
 // The one line at the top: of all that have something to say, the most important speaks.
 
-const RANKS = ["stop", "answer", "drive", "load", "hint"]; // the most important first
+const RANKS = ["stop", "answer", "drive", "hint"]; // the most important first
 
 // Emits "change".
 class MessageLine extends EventTarget {

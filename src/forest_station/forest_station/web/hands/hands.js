@@ -10,13 +10,12 @@ import { Keyboard } from "./keyboard.js";
 import { Lateness, TOO_LATE, isLateness } from "./late.js";
 import { handsMessage } from "./message.js";
 
-const PERIOD_MS = 20;
+const [PERIOD_MS, TICK_MS] = [20, 15]; // a clock that was late does not make the next one wait
 const SHORTEST_MS = 4; // between two messages of moving sticks: a mouse may move 1000 times a second
 const KEY = "the key";
 const FINGERS = matchMedia("(pointer: coarse)").matches;
 
-// Emits "change" when the axes or the deadman changed, "latency" with the round trip [ms], and "look" with the time since
-// the last look [ms].
+// Emits "change" when the axes or the deadman changed, and "latency" with the round trip [ms].
 class Hands extends EventTarget {
   constructor(station) {
     super();
@@ -40,9 +39,9 @@ class Hands extends EventTarget {
     station.on("seat", (seat) => this.#sit(seat));
     station.on("pong", ({ number }) => this.#measure(number));
     station.on("close", () => this.#disconnect());
-    setInterval(() => this.update(), PERIOD_MS);
+    setInterval(() => this.#tick(), PERIOD_MS);
     this.clock = new Worker("/web/hands/clock.js"); // for a touch holds back the page's own timers
-    this.clock.onmessage = () => this.update();
+    this.clock.onmessage = () => this.#tick();
   }
 
   // Holds the deadman, or lets it go, on behalf of a control of the page.
@@ -81,11 +80,15 @@ class Hands extends EventTarget {
     this.#hearPads(pads.deadmen);
     this.#judge(now);
     const keys = this.keyboard.step((now - this.looked) / 1000);
-    this.dispatchEvent(new CustomEvent("look", { detail: now - this.looked }));
     this.looked = now;
     this.axes = mergeAxes([...this.sticks.values(), keys, pads.axes]);
     this.buttons = buttonBits(pads.pressed, this.deadman.held);
     this.#tell(now);
+  }
+
+  // Two clocks tick: the first one counts.
+  #tick() {
+    if (performance.now() - this.looked >= TICK_MS) this.update();
   }
 
   // Lets go of what must not count, also of what was pressed just now.

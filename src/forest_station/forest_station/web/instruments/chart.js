@@ -1,15 +1,12 @@
 // A chart of the last minute with the newest values above it, or those under the cursor. A click stops all charts.
 
 import { make, setText } from "../elements.js";
-import { NO_CHARTS } from "../relief.js";
 import uPlot from "../vendor/uplot.js";
 import { lineValues } from "./lines.js";
+import { drawn } from "./drawing.js";
 import { pauseOf } from "./pause.js";
 
 const [SPAN_S, LEAST_SPAN_S] = [60, 5]; // of the chart: as long as what is known, at the most a minute
-const PERIOD_MS = 100; // between two drawings
-const RESTING = 5; // periods between two looks of a chart that rests
-const LATEST_MS = 500; // after which it is drawn, idle or not
 const STRIDE = 3; // of 30 frames a second: a chart has fewer pixels
 const HEIGHT = 96; // [px]
 const COLOURS = ["#5ec8ff", "#ffb454", "#7dff9f", "#ff7ab8", "#c4a7ff", "#f4f7f5"];
@@ -22,9 +19,6 @@ export class Chart {
     this.definition = definition;
     this.pause = pauseOf(station);
     this.inSight = true;
-    this.waiting = false;
-    this.rests = false; // the page has no time for charts
-    this.beats = 0; // while it rests
     this.drawn = NaN; // time of the newest frame that is drawn
     this.values = definition.lines.map(() => make("output"));
     this.moment = make("span", { className: "moment" });
@@ -39,39 +33,24 @@ export class Chart {
     new IntersectionObserver(([entry]) => (this.inSight = entry.isIntersecting)).observe(this.element);
     new ResizeObserver(() => this.plot?.setSize(this.#size())).observe(this.frame);
     station.on("signals", () => (this.drawn = NaN));
-    station.on("relief", (level) => (this.rests = level >= NO_CHARTS));
-    setInterval(() => this.#drawWhenIdle(), PERIOD_MS);
+    drawn(this);
   }
 
-  // The hands come first: a page that has much to do draws its charts less often.
-  #drawWhenIdle() {
-    const { newestTime } = this.station.history;
-    if (this.rests) return this.#tellNewest();
-    if (this.waiting || newestTime === this.drawn) return;
-    this.waiting = true;
-    whenIdle(() => {
-      this.waiting = false;
-      this.draw();
-    });
+  // Draws what is new; tells whether there was anything.
+  drawNew() {
+    if (this.station.history.newestTime === this.drawn) return false;
+    return this.draw();
   }
 
-  // Draws the newest minute, if somebody can see it.
+  // Draws the newest minute, if somebody can see it; tells whether that is so.
   draw() {
     this.element.hidden = !this.definition.lines.some(({ signals }) => this.#known(signals));
-    if (this.element.hidden || !this.inSight || this.pause.paused || document.hidden) return;
+    if (this.element.hidden || !this.inSight || this.pause.paused || document.hidden) return false;
     this.plot ??= this.#plot();
     this.drawn = this.station.history.newestTime;
     this.plot.setData(this.#minute());
     this.#showValues();
-  }
-
-  // The newest values alone, without a chart: what a page has time for that has none for charts.
-  #tellNewest() {
-    if (!this.inSight || this.pause.paused || ++this.beats % RESTING) return;
-    this.definition.lines.forEach(({ value, signals }, i) => {
-      const newest = value && this.#known(signals) ? value(...signals.map((name) => this.station.value(name))) : NaN;
-      setText(this.values[i], this.#text(newest));
-    });
+    return true;
   }
 
   #known(signals) {
@@ -165,12 +144,6 @@ export class Chart {
     this.element.classList.toggle("paused", this.pause.paused);
     this.draw();
   }
-}
-
-// Not every browser tells when it is idle.
-function whenIdle(act) {
-  if (globalThis.requestIdleCallback) requestIdleCallback(act, { timeout: LATEST_MS });
-  else setTimeout(act);
 }
 
 function withGaps(values) {

@@ -52,7 +52,7 @@ class EmergencyStop {
     const { held, doubted } = this.hands.deadman;
     if (held || doubted) return this.#tell("Not reset: let go of the deadman first.");
     const { ok, text } = await this.station.ask("reset_emergency_stop");
-    this.#tell(ok ? "" : text);
+    this.#tell(ok ? "" : `Not reset: ${text}`);
   }
 
   #hear(told) {
@@ -70,8 +70,8 @@ class EmergencyStop {
     const { active, sources } = this.told;
     this.element.classList.toggle("active", active);
     const parts = sources.map(({ name, state }) => `${name}: ${state}`).join(", ");
-    const stopped = `STOPPED: nothing moves until it is reset${this.drives ? "" : " by who drives"}. ${parts}`;
-    this.line.say("stop", this.note || (active ? stopped : ""), "bad");
+    const rest = `Nothing moves until it is reset${this.drives ? "" : " by who drives"}. ${parts}`;
+    this.line.say("stop", active ? `STOPPED. ${this.note || rest}` : this.note, "bad");
     this.resetButton.hidden = !active;
   }
 }

@@ -20,18 +20,18 @@ export function makeOverlay(replay, bags) {
   );
   const follow = () => {
     if (!replay.active) return;
-    details.hidden = !replay.over;
-    const over = replay.over?.name ?? "";
+    details.hidden = !replay.ghost;
+    const over = replay.ghost?.bag.name ?? "";
     const names = new Set([over, ...bags.entries.map(({ name }) => name)].filter(Boolean));
     names.delete(replay.bag.name);
     setOptions(choice, [["", "no other bag"], ...[...names].map((name) => [name, name])], over);
-    if (!replay.over) return;
+    if (!replay.ghost) return;
     setOptions(align, [[STARTS, "starts"], ...shared(replay).map((topic) => [topic, `first ${topic}`])], align.value);
-    if (document.activeElement !== offset) offset.value = Number(replay.offset.toFixed(3));
+    if (document.activeElement !== offset) offset.value = Number(replay.ghost.offset.toFixed(3));
     measure();
   };
   const measure = () => {
-    const apart = replay.over ? replay.tipDistance() : NaN;
+    const apart = replay.tipDistance();
     setText(distance, Number.isFinite(apart) ? `tips ${apart.toFixed(2)} m apart` : "");
   };
   replay.addEventListener("change", follow);
@@ -42,7 +42,7 @@ export function makeOverlay(replay, bags) {
 
 // Topics whose first message both bags tell.
 function shared(replay) {
-  return Object.keys(replay.bag.first).filter((topic) => topic in replay.over.first);
+  return Object.keys(replay.bag.first).filter((topic) => topic in replay.ghost.bag.first);
 }
 
 // Sets a choice's options, if they differ: one that is open must not be rebuilt under the finger.

@@ -4,6 +4,7 @@
 
 import { handsOf } from "../hands/hands.js";
 import { Bag, RATE } from "./bag.js";
+import { Ghost } from "./ghost.js";
 import { linkTo, momentOf } from "./link.js";
 
 const AHEAD_S = 3; // of the viewer's time, in which frames are due
@@ -18,8 +19,7 @@ class Replay extends EventTarget {
     super();
     this.station = station;
     this.bag = null;
-    this.over = null; // the bag laid over it
-    this.offset = 0; // [s] by which the ghost is shown later
+    this.ghost = null; // a second bag, laid over it
     this.position = 0; // [frames] since the bag's start
     this.shown = -1; // the frame that is shown
     this.drawn = -1; // the newest frame in a picture
@@ -63,8 +63,8 @@ class Replay extends EventTarget {
     if (!moment || location.hash === this.link()) return;
     if (moment.name !== this.bag?.name) await this.open(moment.name);
     if (!this.active) return;
-    if (moment.over !== (this.over?.name ?? "")) await this.lay(moment.over);
-    this.offset = moment.offset;
+    if (moment.over !== (this.ghost?.bag.name ?? "")) await this.lay(moment.over);
+    if (this.ghost) this.ghost.offset = moment.offset;
     this.seek(moment.time);
   }
 
@@ -84,16 +84,16 @@ class Replay extends EventTarget {
 
   // Lays a second bag over the first as a ghost; "" takes it away.
   async lay(name) {
-    this.over = name ? await this.#opened(name) : null;
-    this.offset = 0;
-    if (!this.over) this.station.emit("ghost", null);
+    const bag = name ? await this.#opened(name) : null;
+    this.ghost = bag && new Ghost(bag);
+    if (!this.ghost) this.station.emit("ghost", null);
     this.#repaint();
   }
 
   // Back to the live crane.
   leave() {
     if (!this.active) return;
-    this.bag = this.over = null;
+    this.bag = this.ghost = null;
     this.playing = false;
     handsOf(this.station).release("a replay was shown"); // what was pressed meanwhile is to be pressed anew
     this.station.live = true;
@@ -116,14 +116,13 @@ class Replay extends EventTarget {
   }
 
   setOffset(seconds) {
-    this.offset = Number.isFinite(seconds) ? seconds : 0;
+    this.ghost.offset = Number.isFinite(seconds) ? seconds : 0;
     this.#repaint();
   }
 
-  // Aligns the bags by their first messages of a topic, or by their starts: as `forest-bag compare --align`.
   align(topic) {
-    const [first, second] = [this.bag, this.over].map((bag) => bag.first[topic] ?? 0);
-    this.setOffset(first - second);
+    this.ghost.align(this.bag, topic);
+    this.#repaint();
   }
 
   seek(seconds) {
@@ -138,17 +137,12 @@ class Replay extends EventTarget {
   // The page's address for what is shown.
   link() {
     if (!this.active) return "";
-    return linkTo({ name: this.bag.name, time: this.time, over: this.over?.name ?? "", offset: this.offset });
+    return linkTo({ name: this.bag.name, time: this.time, over: this.ghost?.bag.name ?? "", offset: this.ghost?.offset ?? 0 });
   }
 
   // How far the ghost's tip is from the other [m]; NaN if one is unknown.
   tipDistance() {
-    const ghost = this.#ghostValues();
-    const apart = ["x", "y", "z"].map((axis) => {
-      const signal = `tip/pose/${axis}`;
-      return this.over?.value(ghost, signal) - this.bag.value(this.bag.frame(this.shown), signal);
-    });
-    return Math.hypot(...apart);
+    return this.ghost?.tipDistance(this.bag, this.shown) ?? NaN;
   }
 
   async #opened(name) {
@@ -195,7 +189,7 @@ class Replay extends EventTarget {
 
   #repaint() {
     if (!this.active) return;
-    this.trouble = this.bag.trouble || this.over?.trouble || "";
+    this.trouble = this.bag.trouble || this.ghost?.bag.trouble || "";
     this.#show(true);
     this.#changed();
   }
@@ -235,15 +229,10 @@ class Replay extends EventTarget {
     this.station.history.push({ time: number / RATE, values: this.bag.frame(number) });
   }
 
-  #ghostValues() {
-    return this.over?.frame(this.shown - Math.round(this.offset * RATE)) ?? null;
-  }
-
   #showGhost() {
-    if (!this.over) return;
-    this.over.prepare(this.shown - Math.round(this.offset * RATE), this.playing ? AHEAD_S * this.speed : 0);
-    const values = this.#ghostValues();
-    this.station.emit("ghost", values && { signals: this.over.signals, values, scene: this.over.scene });
+    if (!this.ghost) return;
+    this.ghost.prepare(this.shown, this.playing ? AHEAD_S * this.speed : 0);
+    this.station.emit("ghost", this.ghost.at(this.shown));
   }
 
   #changed() {

@@ -1,11 +1,11 @@
 // A worker: draws the scene on its own thread. Where pixels are drawn by the processor a picture takes longer than
 // a heartbeat of the deadman; the page's own thread never waits for it.
 //
-// Hears: start, size, camera, scene, begin, signals, frame, ghost, exercise, taught, trouble, visible, relief. Says: drawn, failed.
+// Hears: start, size, camera, scene, begin, signals, frame, ghost, exercise, taught, trouble, visible. Says: drawn, failed.
 
 import { ColorManagement, LinearSRGBColorSpace, PerspectiveCamera, Vector3, WebGLRenderer } from "../vendor/three.js";
 import { Picture } from "./picture.js";
-import { Resolution } from "./resolution.js";
+import { Resolution, drawsBySoftware } from "./resolution.js";
 import { Signals } from "./signals.js";
 
 ColorManagement.enabled = false; // colours as written: no power function for each pixel
@@ -17,14 +17,15 @@ const state = {
   begun: false, // whether a frame of it has come
 };
 const camera = new PerspectiveCamera(45, 1, 0.2, 300);
-const resolution = new Resolution();
+const software = drawsBySoftware();
+const resolution = new Resolution(software);
 const size = { width: 1, height: 1, ratio: 1, fresh: true };
 
 const hear = {
   start({ canvas, scene }) {
-    state.renderer = new WebGLRenderer({ canvas, antialias: true });
+    // By the processor, smooth edges cost as much as twice the resolution, which shows more.
+    state.renderer = new WebGLRenderer({ canvas, antialias: !software });
     state.renderer.outputColorSpace = LinearSRGBColorSpace;
-    resolution.begin(state.renderer.getContext());
     state.picture = new Picture(scene);
   },
   size(message) {
@@ -73,9 +74,6 @@ const hear = {
   },
   trouble({ trouble }) {
     state.trouble = state.picture.limits.trouble = trouble;
-  },
-  relief({ level }) {
-    size.fresh ||= resolution.relieve(level);
   },
   visible({ visible }) {
     state.visible = visible;

@@ -1,48 +1,41 @@
-// How fine and how often the painter draws: as fine as a picture's time allows, and with a rest after each, so that a
-// processor that draws pixels has time for everything else.
+// How fine and how often the painter draws: as fine as a picture's time allows, and with a rest after each, so that
+// whoever draws pixels has time for everything else.
 
-const [FINEST, COARSEST] = [1, 0.4];
-// With a page that is about to be late, by its level of relief: the finest share, and the least time between two pictures.
-const RELIEF = [[FINEST, 0], [FINEST, 0], [COARSEST, 200], [0.3, 500]];
+const [FINEST, COARSEST] = [1, 0.3];
 const SOFTWARE = /swiftshader|llvmpipe|software|basic render/i; // names of renderers without a graphics processor
-const SOFTWARE_SHARE = 0.6; // to begin with
-const SOFTWARE_PERIOD_MS = 66; // of their pictures at least
+const SOFTWARE_SHARE = 0.6; // of the resolution, to begin with
 const WANTED_MS = 33; // of a picture
 const PATIENCE = 8; // pictures between two changes
 const WORTH = 0.12; // change of share below which nothing changes
-const REST = 1; // of a picture's own time
-const LONGEST_REST_MS = 80;
+// Of a picture's own time. A busy computer takes longer for a picture, and so gets a longer rest. The processor that
+// draws pixels is the one that drives: three quarters of the time are for hands and nodes.
+const [REST, SOFTWARE_REST] = [1, 3];
+const [LONGEST_REST_MS, LONGEST_SOFTWARE_REST_MS] = [80, 1000];
 const WEIGHT = 0.25; // of the newest picture in the mean
 
+// Whether the processor draws the pixels of this browser.
+export function drawsBySoftware() {
+  const gl = new OffscreenCanvas(1, 1).getContext("webgl2");
+  const names = gl?.getExtension("WEBGL_debug_renderer_info");
+  const name = gl?.getParameter(names ? names.UNMASKED_RENDERER_WEBGL : gl.RENDERER) ?? "";
+  gl?.getExtension("WEBGL_lose_context")?.loseContext();
+  return SOFTWARE.test(name);
+}
+
 export class Resolution {
-  constructor() {
-    this.share = FINEST;
-    this.period = 0; // [ms] of pictures at least
+  // `software`: the processor draws.
+  constructor(software) {
+    this.share = software ? SOFTWARE_SHARE : FINEST;
+    [this.restful, this.longest] = software ? [SOFTWARE_REST, LONGEST_SOFTWARE_REST_MS] : [REST, LONGEST_REST_MS];
     this.rate = 0; // pictures drawn in the last second
     this.mean = NaN; // [ms] of a picture
     this.since = 0;
     this.times = [];
-    this.relief = 0; // level: relief.js
-  }
-
-  // Takes a level of relief; true if the next picture shall have another resolution.
-  relieve(level) {
-    this.relief = level;
-    return this.#change(0);
-  }
-
-  begin(gl) {
-    const names = gl.getExtension("WEBGL_debug_renderer_info");
-    const name = gl.getParameter(names ? names.UNMASKED_RENDERER_WEBGL : gl.RENDERER);
-    if (!SOFTWARE.test(name)) return;
-    this.share = SOFTWARE_SHARE;
-    this.period = SOFTWARE_PERIOD_MS;
   }
 
   // Time to wait before the next picture [ms].
   rest() {
-    const took = this.mean || 0;
-    return Math.max(Math.max(this.period, RELIEF[this.relief][1]) - took, Math.min(LONGEST_REST_MS, REST * took));
+    return Math.min(this.longest, this.restful * (this.mean || 0));
   }
 
   // Counts a picture; true if the next shall have another resolution.
@@ -52,14 +45,12 @@ export class Resolution {
     if (++this.since === 1) return false; // the first of a size makes buffers, and programs
     const took = ended - began;
     this.mean = this.since === 2 ? took : this.mean + WEIGHT * (took - this.mean);
-    return this.since >= PATIENCE && this.#change(WORTH);
+    return this.since >= PATIENCE && this.#change();
   }
 
-  #change(worth) {
-    const [finest] = RELIEF[this.relief];
-    const wanted = this.mean > 0 ? this.share * Math.sqrt(WANTED_MS / this.mean) : this.share;
-    const share = Math.min(finest, Math.max(COARSEST, wanted));
-    if (share === this.share || Math.abs(share - this.share) < worth * this.share) return false;
+  #change() {
+    const share = Math.min(FINEST, Math.max(COARSEST, this.share * Math.sqrt(WANTED_MS / this.mean)));
+    if (Math.abs(share - this.share) < WORTH * this.share) return false;
     this.share = share;
     this.since = 0;
     return true;

@@ -50,7 +50,6 @@ class View {
     this.station.on("frame", ({ time, values }) => this.#sayValues({ kind: "frame", time, live: this.station.live }, values));
     this.station.on("ghost", (detail) => this.#ghost(detail));
     this.station.on("exercise", (exercise) => this.#exercise(exercise));
-    this.station.on("relief", (level) => this.#say({ kind: "relief", level }));
     this.station.on("taught", (taught) => this.#say({ kind: "taught", taught }));
     this.station.on("diagnostics", ({ parts }) => this.#trouble(this.station.live ? standingCause(parts, null, 0) : ""));
     this.station.on("parameters", ({ nodes }) => this.#settings(nodes.controller ?? {}));

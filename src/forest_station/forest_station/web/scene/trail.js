@@ -6,6 +6,7 @@ import { Polyline } from "./polyline.js";
 
 const LENGTH_S = 20;
 const MOST = 640; // 20 s at 30 a second, and some
+const STEP = 0.04; // [m] between two points: each costs as much as the side of a beam
 const GAP_S = 0.5; // without a wish the wished path begins anew, at the tip
 const STILL = 1e-4; // [m/s]
 const RADIUS = 0.045; // [m] of the mark at the tip
@@ -59,8 +60,11 @@ export class Trail {
     this.#add("wish", time, this.wished);
   }
 
+  // The newest point moves on until it is far enough from the one before it.
   #add(name, time, xyz) {
     const points = this.points[name];
+    const before = points.at(-2);
+    if (before && Math.hypot(...xyz.map((value, i) => value - before.xyz[i])) < STEP) points.pop();
     points.push({ time, xyz });
     while (points.length > MOST || points[0].time < time - LENGTH_S) points.shift();
   }

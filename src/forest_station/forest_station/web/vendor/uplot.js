@@ -2945,7 +2945,7 @@ function uPlot(opts, data, then) {
 	}
 
 	const can = placeTag("canvas");
-	const ctx = self.ctx = can.getContext("2d");
+	const ctx = self.ctx = can.getContext("2d", { willReadFrequently: true });
 
 	const wrap = placeDiv(WRAP, root);
 
