@@ -1,7 +1,7 @@
 """Times the compiled plant against general solvers at equal accuracy; prints a table.
 
     python benchmarks/plant.py [--json FILE] [--peers NAME ...] [--modes open held] [--seconds 20]
-    python benchmarks/plant.py --components | --many
+    python benchmarks/plant.py --components
 
 What is integrated, and how to read the table: benchmarks/README.md. Each contestant runs in a process of its
 own, one thread, with an empty compiler cache at first.
@@ -20,7 +20,6 @@ from pathlib import Path
 from typing import Any
 
 import components
-import many
 import reference
 import work as benchmark
 from peers import CONTESTANTS, Contestant
@@ -131,10 +130,11 @@ def main(argv: list[str] | None = None) -> None:
     parser.add_argument("--tolerance", type=float, help="for the peers, instead of each one's own")
     parser.add_argument("--warm", action="store_true", help="ours need not be compiled anew")
     parser.add_argument("--components", action="store_true", help="what single components cost, instead")
-    parser.add_argument("--many", action="store_true", help="many machines over all cores, instead")
     args = parser.parse_args(argv)
-    if args.components or args.many:
-        _write(args.json, _further(args))
+    if args.components:
+        found = components.measure(args.seconds, repeats=50)
+        print(components.HEAD, *components.table(found), sep="\n")
+        _write(args.json, found)
         return
 
     rows: list[Row] = []
@@ -145,20 +145,6 @@ def main(argv: list[str] | None = None) -> None:
         for line in list(table(rows))[-len(args.modes) :]:
             print(line, flush=True)
     _write(args.json, rows)
-
-
-def _further(args: argparse.Namespace) -> list[Row]:
-    """Print the tables beside the contest; return their rows."""
-    rows: list[Row] = []
-    if args.components:
-        found = components.measure(args.seconds, repeats=50)
-        print(components.HEAD, *components.table(found), sep="\n")
-        rows += found
-    if args.many:
-        found = many.measure()
-        print(many.HEAD, *many.table(found), sep="\n")
-        rows += found
-    return rows
 
 
 def _write(path: Path | None, rows: list[Row]) -> None:

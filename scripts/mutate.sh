@@ -2,7 +2,7 @@
 # Breaks the safety code in one place at a time, in a copy, and tells which faults no test notices.
 #
 #   scripts/mutate.sh              every module of test/mutation/modules.yaml
-#   scripts/mutate.sh MODULE...    some, by their stems: scripts/mutate.sh governor workspace
+#   scripts/mutate.sh MODULE...    some, by their stems: scripts/mutate.sh velocity_scaling workspace
 #
 # The exit code is 1 if a survivor is not explained in test/mutation/survivors.yaml.
 set -euo pipefail

@@ -18,7 +18,9 @@ from collections.abc import Callable, Generator, Iterator
 from pathlib import Path
 from typing import Any
 
+import hypothesis.configuration
 import pytest
+from hypothesis import HealthCheck, settings
 from peer import Peer
 from processes import ForkedNode, Process, Told
 
@@ -37,6 +39,20 @@ MET_S = 30.0  # at which a test fails rather than hangs; on a busy machine a nod
 os.environ["ROS_AUTOMATIC_DISCOVERY_RANGE"] = "LOCALHOST"
 os.environ["PYTHONFAULTHANDLER"] = "1"
 os.environ["FASTRTPS_DEFAULT_PROFILES_FILE"] = str(Path(forest_msgs_py.__file__).with_name("loopback.xml"))
+
+# Properties draw from their own text, not by chance, and keep nothing between runs.
+hypothesis.configuration.set_hypothesis_home_dir(Path(__file__).parents[1] / ".pytest_cache" / "hypothesis")
+settings.register_profile(
+    "suite",
+    phases=[phase for phase in settings().phases if phase.name not in os.environ.get("WITHOUT_PHASES", "")],
+    derandomize=True,
+    deadline=None,
+    database=None,
+    max_examples=60,
+    # Fixtures hold nothing that an example changes; the first example compiles and imports.
+    suppress_health_check=[HealthCheck.function_scoped_fixture, HealthCheck.too_slow],
+)
+settings.load_profile("suite")
 
 
 # A file with none of these fixtures has no live test: `-m live` need not import it.

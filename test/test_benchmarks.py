@@ -3,7 +3,6 @@
 import importlib
 import json
 import math
-import os
 import subprocess
 import sys
 from pathlib import Path
@@ -40,7 +39,6 @@ def benchmark(monkeypatch):
             "reference",
             "compilers",
             "components",
-            "many",
             "recorder",
             "closed_loop",
             "lockstep",
@@ -124,15 +122,6 @@ def test_a_component_that_is_cut_out_was_doing_nothing(benchmark):
     assert eval(parameters, entry.names, {"p": thesis}) == thesis
     assert eval(parameters, entry.names, {"p": hoses}) != hoses
     assert translate.llvm_ir(entry)  # what is left is a kernel, too
-
-
-def test_many_machines_are_told_by_the_clock_and_by_processor_time(benchmark, monkeypatch):
-    many = benchmark("many")
-    monkeypatch.setattr(many, "RUN", many.Run(0.5))
-    rows = many.measure(per_core=2)
-    assert [row["workers"] for row in rows] == [1, len(os.sched_getaffinity(0))]
-    assert all(row[name] > 0.0 for row in rows for name in ("efficiency", "cpu_efficiency", "seconds"))
-    assert len(list(many.table(rows))) == 2
 
 
 def test_recorder_s_table_compares_with_the_bare_node(benchmark):

@@ -7,7 +7,6 @@ import contextlib
 import os
 import signal
 
-import properties  # noqa: F401  hypothesis by the suite's settings
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st

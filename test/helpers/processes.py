@@ -35,7 +35,8 @@ IMPORTED = (
     "forest_ident.monitor_node",
     *("forest_bag.recorder_node", "forest_bringup.graph", "forest_station.station"),
     *("forest_station.station_node", "forest_control.cycle_node"),
-    *("forest_study.demo.demo", "forest_study.cli", "forest_study.experiments.forest_ident_main"),
+    *("forest_study.demo.demo", "forest_study.cli", "forest_study.demo.replay"),
+    "forest_study.experiments.forest_ident_main",
 )
 SERVER = multiprocessing.get_context("forkserver")
 SERVER.set_forkserver_preload([*IMPORTED, "processes", "warm"])

@@ -1,40 +1,14 @@
-"""Property tests as this suite runs hypothesis, and what several of them draw.
-
-Each run draws the same: examples come from the property's own text, and no constant of whatever modules
-happen to be loaded is mixed in.
-"""
+"""What several property tests draw, and how they run a stateful machine."""
 
 from __future__ import annotations
 
 import math
-import os
 from collections.abc import Callable
-from pathlib import Path
 from typing import Any
 
-import hypothesis.configuration
-from hypothesis import HealthCheck, settings
+from hypothesis import settings
 from hypothesis import strategies as st
-from hypothesis.internal.conjecture import providers
 from hypothesis.stateful import run_state_machine_as_test
-
-ROOT = Path(__file__).resolve().parents[2]
-hypothesis.configuration.set_hypothesis_home_dir(ROOT / ".pytest_cache" / "hypothesis")
-assert callable(providers._get_local_constants)
-providers._get_local_constants = lambda: providers._local_constants
-
-ALL = settings.get_profile("default").phases
-settings.register_profile(
-    "suite",
-    phases=[phase for phase in ALL if phase.name not in os.environ.get("WITHOUT_PHASES", "")],
-    derandomize=True,
-    deadline=None,
-    database=None,
-    max_examples=60,
-    # Fixtures hold nothing that an example changes; the first example compiles and imports.
-    suppress_health_check=[HealthCheck.function_scoped_fixture, HealthCheck.too_slow],
-)
-settings.load_profile("suite")
 
 ANY = st.floats() | st.sampled_from((math.nan, math.inf, -math.inf))
 

@@ -5,6 +5,7 @@ import threading
 
 import pytest
 
+from forest_bag.play import read_ahead as reading
 from forest_bag.play.lateness import Lateness
 from forest_bag.play.playback import ALL, Plan, Player
 from forest_bag.play.read_ahead import BagSource, read_ahead
@@ -203,17 +204,32 @@ def test_lateness_is_told_in_shares():
 
 
 def test_reading_ahead_changes_nothing_and_ends_when_closed():
-    assert list(read_ahead(iter(range(1, 100_000)))) == list(range(1, 100_000))
-    endless = read_ahead(itertools.count(1))
-    assert next(endless) == 1
+    many = [message(time) for time in range(100_000)]
+    assert list(read_ahead(iter(many))) == many
+    endless = read_ahead(map(message, itertools.count(1)))
+    assert next(endless) == message(1)
     endless.close()
 
     def broken():
-        yield 1
+        yield message(1)
         raise OSError("the disk is gone")
 
     with pytest.raises(OSError, match="the disk is gone"):
         list(read_ahead(broken()))
+
+
+@pytest.mark.parametrize(("size", "most"), [(100_000_000, 1), (8_000_000, 3), (500_000, 36), (100, 28_000)])
+def test_reading_ahead_ends_at_bytes_whatever_the_size_of_a_message(size, most):
+    data, waiting, put = bytes(size), reading._Batches(reading.AHEAD_BYTES), 0
+    endless = (message(time)._replace(data=data) for time in itertools.count(1))
+    for batch in reading._in_batches(endless):
+        if waiting.full():
+            break
+        waiting.put(batch)
+        put += len(batch)
+    assert 0.9 * most <= put <= most
+    assert len(waiting.get()) == min(put, 100, -(-(1 << 20) // size))
+    assert not waiting.full()
 
 
 def test_latched_topics_hold_what_their_publishers_kept(tmp_path):

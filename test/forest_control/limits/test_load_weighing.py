@@ -5,6 +5,7 @@ import math
 
 import numpy as np
 import pytest
+from compiled_rows import states_of
 
 from forest_control.config import controller_settings
 from forest_control.limits.load_weighing import (
@@ -29,7 +30,7 @@ from forest_sim.sensors.sensor_readings import at_rest, measure
 from forest_sim.sensors.sensor_suite import sensor_suite
 from forest_sim.simulation.load_schedule import Load, loaded
 from forest_sim.solver.equilibrium import equilibrium
-from forest_study.closed_loop.closed_loop import ClosedLoop, Operator
+from forest_study.closed_loop import compiled_loop
 
 REAL = load_machine("c180")
 STROKES = ((0.0, 0.0, 0.2), (0.0, 0.0, -0.2), (0.2, 0.0, 0.0), (-0.2, 0.2, 0.0))  # [m/s] of the tip
@@ -40,19 +41,18 @@ def slow_motion(name, mass, tip, seed, rate=200.0):
 
     Its sensors are sampled at a rate [Hz].
     """
-    machine, told = load_machine(name), []
+    machine, levers = load_machine(name), []
     plant = loaded(plant_parameters(machine), machine.manipulator, Load(mass))
-    control = controller_settings.parameters(machine, controller_settings.Settings())
-    drive = valve_driver_parameters.parameters(machine, valve_driver_parameters.Settings())
+    settings = controller_settings.Settings(), valve_driver_parameters.Settings()
     sampled = dataclasses.replace(machine, sensors=dataclasses.replace(machine.sensors, sample_rate=rate))
     suite = sensor_suite(sampled, noise=True, seed=seed)
-    loop = ClosedLoop(plant, control, drive, pose_at(tip, machine), suite, fast=True)
     for k in range(1200):
         part, phase = divmod(k - 100, 275)
         velocity = STROKES[part % 4] if k >= 100 and phase < 225 else ZERO
-        loop.period(Operator(levers_for_tip_velocity(velocity, 0.5)))
-        told.append(loop.telemetry.output.loading.mass)
-    return np.array(told[300:])
+        levers.append((*levers_for_tip_velocity(velocity, 0.5), 1.0))
+    given = machine, np.array(levers), pose_at(tip, machine), *settings
+    session = compiled_loop.prepared(*given, suite=suite, plant=plant)
+    return np.array(list(states_of(session, "control.state.weighing.mass")))[300:, 0]
 
 
 @pytest.mark.parametrize("tip", [(5.0, 0.0, 0.0), (6.0, 1.0, 1.5), (7.0, 0.0, -1.0)])

@@ -116,7 +116,7 @@ def test_so_at_every_rate(period):
 
 @pytest.mark.parametrize("period", [0.01, 0.05])
 def test_a_hand_on_a_quantised_stick_may_hold_still_once_it_did(period):
-    """Fast and slow movements on 8 bits, a tremor that comes and goes, and holds of more than `HOLD`."""
+    """Fast and slow movements on 8 bits, a tremor that comes and goes, and holds of more than `STILLNESS`."""
     device, rng = armed(period=period), np.random.default_rng(8)
     for _ in range(30):
         for k in range(round(1.0 / period)):

@@ -5,6 +5,7 @@ import math
 import numpy as np
 import pytest
 
+from forest_control import compiled
 from forest_control.config import controller_settings
 from forest_control.config.controller_settings import Settings
 from forest_control.limits.load_moment import NO_CAPACITY
@@ -47,14 +48,14 @@ def rates_of(command, angles):
 
 def drive(p, levers_at, seconds, angles=MIDDLE, bandwidth=math.inf):
     """Play levers on a machine whose joints follow ideal valves with a bandwidth [rad/s]; yield each step."""
-    state, rates = REST, ZERO
+    state, rates, step = REST, ZERO, compiled.controller_step()
     weight = 1.0 - math.exp(-bandwidth * PERIOD)
     for k in range(round(seconds / PERIOD)):
-        state, output = controller.step(state, inputs(levers_at(k * PERIOD), angles, rates), p, PERIOD)
-        wanted = rates_of(output.command, angles)
+        state, told = step(state, inputs(levers_at(k * PERIOD), angles, rates), p, PERIOD)
+        wanted = rates_of(told.output.command, angles)
         rates = tuple(v + weight * (u - v) for v, u in zip(rates, wanted, strict=True))
         angles = tuple(q + PERIOD * v for q, v in zip(angles, rates, strict=True))
-        yield state, output, angles
+        yield state, told.output, angles
 
 
 @every_scheme
@@ -179,7 +180,7 @@ def test_no_levers_drive_a_joint_over_its_limits(scheme):
     least, most, held_back = np.full(3, math.inf), np.full(3, -math.inf), 0
     for _, output, angles in drive(p, lambda t: Levers(*held[int(t / 3.0)]), 30.0, bandwidth=4.0 * math.pi):
         least, most = np.minimum(least, angles), np.maximum(most, angles)
-        held_back += output.scaling.limit is Limit.JOINT
+        held_back += output.scaling.limit == Limit.JOINT
     assert all(least > lower)
     assert all(most < upper)
     assert held_back > 500  # it was tried

@@ -79,16 +79,16 @@ CAUSES = {
         *(Verdict.STOP, 0.0, Cause.EMERGENCY_STOP, PRESSED),
     ),
     "hands off": (set_to(override=Override(hands_off=True)), Verdict.STOP, 0.0, Cause.HANDS_OFF, ""),
-    "deadman released": (set_to(held=False), Verdict.HOLD, 0.0, Cause.OPERATOR, ""),
+    "deadman released": (set_to(held=False), Verdict.CONTROLLED_STOP, 0.0, Cause.OPERATOR, ""),
     "joystick lost": (
         set_to(speak=lambda: None),
-        *(Verdict.HOLD, JOY_TIMEOUT, Cause.OPERATOR, "joystick: nothing new"),
+        *(Verdict.CONTROLLED_STOP, JOY_TIMEOUT, Cause.OPERATOR, "joystick: nothing new"),
     ),
     "joystick hangs": (
         hangs,
-        *(Verdict.HOLD, FROZEN_TIMEOUT, Cause.OPERATOR, "joystick: held still to the last bit"),
+        *(Verdict.CONTROLLED_STOP, FROZEN_TIMEOUT, Cause.OPERATOR, "joystick: held still to the last bit"),
     ),
-    "joystick cannot be read": (nonsense, Verdict.HOLD, 0.0, Cause.OPERATOR, "joy: nonsense"),
+    "joystick cannot be read": (nonsense, Verdict.CONTROLLED_STOP, 0.0, Cause.OPERATOR, "joy: nonsense"),
 }
 
 
@@ -104,7 +104,7 @@ def test_each_cause_has_its_verdict_in_its_time_and_is_named(rig, broken, verdic
     assert bool(told) == bool(said)
 
 
-STOPS = {name: cause for name, cause in CAUSES.items() if cause[1] in (Verdict.STOP, Verdict.HOLD)}
+STOPS = {name: cause for name, cause in CAUSES.items() if cause[1] in (Verdict.STOP, Verdict.CONTROLLED_STOP)}
 REFUSED = ("state cannot be read", "state cannot be true")
 
 
@@ -127,11 +127,11 @@ def test_what_has_stopped_the_crane_is_forgotten_once_a_person_has_acted(rig, na
     if name in REFUSED:
         assert again.verdict == Verdict.MOVE
         return
-    assert again.verdict == Verdict.HOLD
-    assert rig.once().verdict == Verdict.HOLD
+    assert again.verdict == Verdict.CONTROLLED_STOP
+    assert rig.once().verdict == Verdict.CONTROLLED_STOP
     rig.levers = REST
     if name == "sensors frozen":  # centred sticks, as taught work's are all the time, are no act
-        assert {rig.once().verdict for _ in range(50)} == {Verdict.HOLD}
+        assert {rig.once().verdict for _ in range(50)} == {Verdict.CONTROLLED_STOP}
         assert rig.guard.causes["machine"] == "machine: a fault is over; allowed: release the deadman"
         rig.held = False
         rig.once()
@@ -148,7 +148,7 @@ def test_without_a_joystick_it_holds_and_misses_nobody():
     rig.speak = lambda: None
     for _ in range(100):
         decision = rig.once()
-        assert decision[:3] == (Verdict.HOLD, Cause.OPERATOR, True)
+        assert decision[:3] == (Verdict.CONTROLLED_STOP, Cause.OPERATOR, True)
         assert not any(rig.guard.causes.values())
     assert rig.guard.is_nobody_there()
 
@@ -156,13 +156,13 @@ def test_without_a_joystick_it_holds_and_misses_nobody():
 def test_the_deadman_pressed_with_deflected_levers_moves_nothing():
     rig = Rig()
     rig.levers = PUSHED
-    assert {rig.once().verdict for _ in range(100)} == {Verdict.HOLD}
+    assert {rig.once().verdict for _ in range(100)} == {Verdict.CONTROLLED_STOP}
 
 
 def test_with_the_deadman_released_centred_levers_arm_nothing():
     rig = Rig()
     rig.held = False
-    assert {rig.once().verdict for _ in range(10)} == {Verdict.HOLD}
+    assert {rig.once().verdict for _ in range(10)} == {Verdict.CONTROLLED_STOP}
     assert not rig.guard.permission.joystick.armed
 
 
@@ -281,11 +281,19 @@ def test_a_load_that_drives_a_joint_back_stops_the_crane_until_the_deadman_was_l
     rig.rates, rig.volts, rig.command, rig.levers = ZERO, ZERO, ZERO, REST
     for _ in range(100):  # centred levers alone, as in taught work, are no act of a person
         waiting = rig.once()
-        assert (waiting.verdict, waiting.cause, waiting.overloaded) == (Verdict.HOLD, Cause.OVERLOAD, True)
+        assert (waiting.verdict, waiting.cause, waiting.overloaded) == (
+            Verdict.CONTROLLED_STOP,
+            Cause.OVERLOAD,
+            True,
+        )
         assert waiting.believed  # the tip is held where it is
     rig.held = False
     let_go = rig.once()
-    assert (let_go.verdict, let_go.cause, let_go.overloaded) == (Verdict.HOLD, Cause.OPERATOR, True)
+    assert (let_go.verdict, let_go.cause, let_go.overloaded) == (
+        Verdict.CONTROLLED_STOP,
+        Cause.OPERATOR,
+        True,
+    )
     rig.held = True
     moves = rig.once()
     assert (moves.verdict, moves.overloaded) == (Verdict.MOVE, False)
@@ -299,7 +307,9 @@ def test_a_joint_that_goes_by_itself_stops_the_crane_and_names_it_while_it_goes(
     assert (decision.cause, decision.believed) == (Cause.FAULT, False)
     assert rig.guard.causes["machine"].startswith("machine: stick goes by itself")
     rig.rates = ZERO
-    assert rig.once().verdict == Verdict.HOLD  # the levers were not centred since, nor the deadman let go
+    assert (
+        rig.once().verdict == Verdict.CONTROLLED_STOP
+    )  # the levers were not centred since, nor the deadman let go
     assert rig.guard.causes["machine"] == "machine: a fault is over; allowed: release the deadman"
 
 

@@ -113,7 +113,10 @@ class Guarded(RuleBasedStateMachine):
             assert (self.rig.override, self.rig.problem, self.rig.lag) == (NOBODY, "", 0.0)
             return
         assert decision.levers == REST
-        if decision.verdict in (Verdict.STOP, Verdict.HOLD) and decision.cause != Cause.UNBELIEVABLE:
+        if (
+            decision.verdict in (Verdict.STOP, Verdict.CONTROLLED_STOP)
+            and decision.cause != Cause.UNBELIEVABLE
+        ):
             self.acted = False
         self.waits = self.rig.guard.causes["machine"] == WAS_FAULTY or self.waits
 

@@ -1,6 +1,5 @@
 """A lockstep run's messages come out in one order, however its nodes' batches came in."""
 
-import properties  # noqa: F401  hypothesis by the suite's settings
 from hypothesis import given
 from hypothesis import strategies as st
 

@@ -52,25 +52,25 @@ def test_a_message_from_the_future_is_as_good_as_old():
 
 @pytest.mark.usefixtures("standing_clocks")
 def test_a_tally_counts_and_tells_for_how_long_the_newest_message_has_been_sent():
-    tally = ReceivedCount()
-    assert (tally.count, tally.age()) == (0, math.inf)
+    received = ReceivedCount()
+    assert (received.count, received.age()) == (0, math.inf)
     for count, age in ((1, 4.0), (2, 0.5), (3, 0.0)):
-        tally.note(sent(age))
-        assert tally.count == count
-        assert tally.age() == pytest.approx(age, abs=1e-6)
+        received.note(sent(age))
+        assert received.count == count
+        assert received.age() == pytest.approx(age, abs=1e-6)
 
 
 @pytest.mark.usefixtures("standing_clocks")
 def test_a_tally_tells_the_shortest_way_since_it_was_asked_last():
-    tally = ReceivedCount()
-    assert tally.shortest_way() == math.inf
+    received = ReceivedCount()
+    assert received.shortest_way() == math.inf
     for way in (0.02, -0.5, 3.0):  # the sender's clock may be ahead
-        tally.note(sent(way))
-    assert tally.shortest_way() == pytest.approx(-0.5, abs=1e-6)
-    tally.note(sent(3.0))
-    assert tally.shortest_way() == pytest.approx(3.0, abs=1e-6)
-    tally.heard = (heard := []).append
-    tally.note(sent(1.0))
+        received.note(sent(way))
+    assert received.shortest_way() == pytest.approx(-0.5, abs=1e-6)
+    received.note(sent(3.0))
+    assert received.shortest_way() == pytest.approx(3.0, abs=1e-6)
+    received.heard = (heard := []).append
+    received.note(sent(1.0))
     assert heard == [sent(1.0)]
 
 

@@ -2,7 +2,6 @@
 
 import math
 
-import properties  # noqa: F401  hypothesis by the suite's settings
 from hypothesis import given
 from hypothesis import strategies as st
 

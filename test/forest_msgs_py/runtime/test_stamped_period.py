@@ -1,6 +1,5 @@
 """Claims about the time between samples: a loop's time runs no faster than the clock does."""
 
-import properties  # noqa: F401  hypothesis by the suite's settings
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st

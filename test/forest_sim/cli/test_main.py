@@ -281,7 +281,7 @@ def test_a_bad_voltage_file_is_told_by_line(forest_sim, tmp_path):
     assert err == f"forest-sim: {tmp_path}/v.csv:2: boom is 'zero'; allowed: -100 .. 100 V\n"
 
 
-def test_without_llvm_it_runs_and_says_once_how_to_be_faster(forest_sim, tmp_path, monkeypatch):
+def test_without_llvm_it_runs_and_says_once_how_to_be_faster(forest_sim, no_pictures, tmp_path, monkeypatch):
     for module in ("solver.compiled_plant", "cli.commands"):
         monkeypatch.setattr(f"forest_sim.{module}.can_compile", lambda: False)
     assert compiled_plant.fastest_record().__name__ == "_interpreted_record"

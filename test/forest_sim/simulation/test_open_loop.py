@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from energies import kinetic_energy, potential_energy
 
+from forest_description.derived.limits import joint_limits
 from forest_description.machine import load_machine
 from forest_sim.equations.plant_parameters import plant_parameters
 from forest_sim.simulation import voltage_profiles
@@ -245,3 +246,8 @@ def test_a_tip_out_of_reach_is_told_with_the_reach():
 def test_an_angle_beyond_a_limit_is_told_with_the_limits():
     with pytest.raises(RunError, match=r"boom at 80.0 deg, allowed there: -36.7 .. 72.0 deg"):
         require_within_limits(C180, (0.0, math.radians(80.0), math.radians(-90.0)))
+
+
+def test_without_a_tip_a_machine_starts_where_it_can_be():
+    short = replace(C180, manipulator=replace(C180.manipulator, boom_length=1.0))
+    assert start_angles(short)[1] == pytest.approx(sum(joint_limits(short)[1]) / 2)

@@ -27,6 +27,7 @@ REFERENCE = Path("bags/coordinated")
 START = 1_700_000_000_000_000_000
 PERIOD = 5_000_000
 N = 400
+WANTED = window(0.5, 5.0, 30.0)
 
 
 @pytest.fixture
@@ -42,6 +43,13 @@ def opened():
         yield open_one
 
 
+@pytest.fixture(scope="module")
+def ours():
+    """Signals and frames of the reference bag as it was recorded."""
+    with contextlib.closing(ReplayBag(REFERENCE, OWN)) as bag:
+        return list(bag.units.items()), frames(bag, WANTED)
+
+
 def joint_states(angle=lambda step: 0.001 * step):
     return [
         (
@@ -53,7 +61,7 @@ def joint_states(angle=lambda step: 0.001 * step):
 
 
 @pytest.mark.parametrize(("storage", "mode"), [("SQLITE3", "NONE"), ("SQLITE3", "FILE"), ("MCAP", "MESSAGE")])
-def test_a_bag_of_rosbag2_shows_the_same_frames(tmp_path, storage, mode, opened):
+def test_a_bag_of_rosbag2_shows_the_same_frames(tmp_path, storage, mode, opened, ours):
     from rosbags import rosbag2
     from rosbags.typesys import Stores, get_typestore
 
@@ -71,10 +79,8 @@ def test_a_bag_of_rosbag2_shows_the_same_frames(tmp_path, storage, mode, opened)
         }
         for message in reader.messages(connections):
             writer.write(connections[message.channel.topic], message.log_ns, message.data)
-    ours, theirs = opened(REFERENCE), opened(tmp_path / "bag")
-    assert list(ours.units.items()) == list(theirs.units.items())
-    wanted = window(0.5, 5.0, 30.0)
-    assert frames(theirs, wanted) == frames(ours, wanted)
+    theirs = opened(tmp_path / "bag")
+    assert (list(theirs.units.items()), frames(theirs, WANTED)) == ours
 
 
 def test_of_a_damaged_bag_is_shown_what_is_whole_and_said_what_is_wrong(tmp_path, opened):

@@ -1,5 +1,6 @@
 """Frames of a bag say what its table says at the same time; they cost what they show, not what it holds."""
 
+import contextlib
 from itertools import pairwise
 from pathlib import Path
 
@@ -20,9 +21,16 @@ OWN = load_machine("c180_hoses")
 STEP_HZ = 200  # of the reference bags, which are made in lockstep: log times are stamps
 
 
-@pytest.fixture(params=REFERENCES, ids=lambda path: path.name)
+@pytest.fixture(scope="module", params=REFERENCES, ids=lambda path: path.name)
 def reference(request):
     return request.param
+
+
+@pytest.fixture(scope="module")
+def bag(reference):
+    """A reference bag as the page opens it; nothing is kept of what was asked before."""
+    with contextlib.closing(ReplayBag(reference, OWN)) as opened:
+        yield opened
 
 
 def parts(data, signals):
@@ -37,9 +45,8 @@ def parts(data, signals):
     return np.frombuffer(data, dtype=kind)
 
 
-def test_frames_are_the_table_of_to_csv_at_the_same_times(reference):
+def test_frames_are_the_table_of_to_csv_at_the_same_times(reference, bag):
     table = joined(read_bag(reference), hold=True)
-    bag = ReplayBag(reference, OWN)
     step = 1 / STEP_HZ
     whole = window(0.0, bag.seconds + step, STEP_HZ)
     values = matrix(bag, whole)
@@ -55,16 +62,14 @@ def test_frames_are_the_table_of_to_csv_at_the_same_times(reference):
 
 
 @pytest.mark.parametrize("rate", [7.0, 30.0, 200.0])
-def test_windows_meet_without_a_seam(reference, rate):
-    bag = ReplayBag(reference, OWN)
+def test_windows_meet_without_a_seam(bag, rate):
     whole = frames(bag, window(0.0, 4.0, rate))
     cuts = [0.0, 0.71, 0.71, 1.0, 2.3335, 4.0]
     pieces = [frames(bag, window(a, b, rate)) for a, b in pairwise(cuts)]
     assert b"".join(pieces) == whole
 
 
-def test_frames_are_laid_out_as_the_protocol_says(reference):
-    bag = ReplayBag(reference, OWN)
+def test_frames_are_laid_out_as_the_protocol_says(bag):
     found = parts(frames(bag, window(1.0, 2.0, 30.0)), len(bag.units))
     assert set(found["kind"]) == {FRAME}
     assert not found["zero"].any()

@@ -43,15 +43,15 @@ def test_a_cylinder_slows_down_by_its_stroke_and_does_not_overshoot(machine, joi
     assert margin.min() > LEAST
     assert margin[-1] < FARTHEST
     assert margin.min() > margin[-1] - 0.05
-    governor = controller_settings.parameters(machine, settings).velocity_limits
-    stroke = governor.strokes[joint]
+    limits = controller_settings.parameters(machine, settings).velocity_limits
+    stroke = limits.strokes[joint]
     lengths = [cylinder_length(angle, stroke.linkage) for angle in moved.angles[:, joint].tolist()]
     left = stroke.longest - np.array(lengths) if sign > 0.0 else np.array(lengths) - stroke.shortest
     arriving = (left > 0.005) & (left < 0.08)
     speed = np.abs(np.gradient(lengths, PERIOD))[arriving]
     assert np.count_nonzero(arriving) > 50
     # It lags behind its command by some 50 ms, and rocks.
-    assert np.all(speed < governor.approach[joint] * (1.15 * left[arriving] + 0.004))
+    assert np.all(speed < limits.approach[joint] * (1.15 * left[arriving] + 0.004))
 
 
 def test_the_loaders_swing_is_fed_what_its_hoses_take_and_its_pump_leaves():

@@ -3,15 +3,16 @@
 import contextlib
 import threading
 from collections.abc import Collection, Iterator
-from itertools import islice
 from queue import Empty, Full, Queue
 
 from forest_bag.read.merged_bags import MergedBags
 from forest_bag.storage.raw_messages import RawMessage
 from forest_msgs_py.interfaces.qos_profiles import Qos
 
-BATCH = 100  # messages handed over at once
-BATCHES = 50  # read ahead: a second and more of the demo's messages
+BATCH = 100  # messages handed over at once, at most
+BATCH_BYTES = 1 << 20  # from which a batch is handed over with fewer
+AHEAD_BYTES = 16 << 20  # read ahead, before the last batch: four seconds of the demo's messages
+OBJECT_BYTES = 500  # of a message beside its data
 PATIENCE_S = 0.1
 ARRIVAL_NS = 1_000_000_000  # of the bag's begin, in which a recorder hears what was published before it came
 
@@ -66,17 +67,63 @@ def _distinct(messages: Collection[RawMessage]) -> list[RawMessage]:
     return sorted(last.values(), key=lambda message: message.log_ns)
 
 
+class _Batches(Queue["list[RawMessage] | BaseException"]):
+    """Batches that wait; the queue is as long as what they hold [bytes]."""
+
+    def _init(self, maxsize: int) -> None:
+        super()._init(maxsize)
+        self._held = 0
+
+    def _qsize(self) -> int:
+        return self._held
+
+    def _put(self, item: list[RawMessage] | BaseException) -> None:
+        super()._put(item)
+        self._held += _bytes(item)
+
+    def _get(self) -> list[RawMessage] | BaseException:
+        item: list[RawMessage] | BaseException = super()._get()
+        self._held -= _bytes(item)
+        return item
+
+
+def _bytes(batch: list[RawMessage] | BaseException) -> int:
+    """Return what a batch holds [bytes]; at least 1, or it would not be seen to wait."""
+    return 1 + (0 if isinstance(batch, BaseException) else sum(map(_size, batch)))
+
+
+def _size(message: RawMessage) -> int:
+    return len(message.data) + OBJECT_BYTES
+
+
+def _in_batches(messages: Iterator[RawMessage]) -> Iterator[list[RawMessage]]:
+    """Yield the messages in batches, at last an empty one."""
+    batch: list[RawMessage] = []
+    held = 0
+    for message in messages:
+        batch.append(message)
+        held += _size(message)
+        if len(batch) == BATCH or held >= BATCH_BYTES:
+            yield batch
+            batch, held = [], 0
+    if batch:
+        yield batch
+    yield []
+
+
 def read_ahead(messages: Iterator[RawMessage]) -> Iterator[RawMessage]:
-    """Yield messages that a thread has read beforehand: decompressing a chunk must delay none of them."""
-    batches: Queue[list[RawMessage] | BaseException] = Queue(BATCHES)
+    """Yield messages that a thread has read beforehand: decompressing a chunk must delay none of them.
+
+    At most `AHEAD_BYTES` and a batch are read ahead, whatever the size of a message.
+    """
+    batches = _Batches(AHEAD_BYTES)
     closed = threading.Event()
 
     def read() -> None:
         try:
-            while batch := list(islice(messages, BATCH)):
+            for batch in _in_batches(messages):
                 if not _put(batches, batch, closed):
                     return
-            _put(batches, [], closed)
         except BaseException as error:  # noqa: BLE001  whatever it is, the reader of the batches gets it
             _put(batches, error, closed)
 
@@ -96,7 +143,7 @@ def read_ahead(messages: Iterator[RawMessage]) -> Iterator[RawMessage]:
 
 
 def _put(
-    batches: Queue[list[RawMessage] | BaseException],
+    batches: _Batches,
     batch: list[RawMessage] | BaseException,
     closed: threading.Event,
 ) -> bool:

@@ -138,7 +138,7 @@ def parameters(machine: Machine, settings: Settings, workspace: Workspace = OPEN
         profile=operator_profile(settings),
         gains=gains,
         jacobian_at_joints=settings.jacobian_at_joints,
-        velocity_limits=_governor(machine, settings),
+        velocity_limits=_velocity_limits(machine, settings),
         lead=settings.lead,
         links=machine.manipulator.links,
         linkages=machine.linkages,
@@ -222,7 +222,7 @@ def _gains(machine: Machine, settings: Settings, i: int) -> Gains:
     )
 
 
-def _governor(machine: Machine, settings: Settings) -> VelocityLimits:
+def _velocity_limits(machine: Machine, settings: Settings) -> VelocityLimits:
     limits, margin = joint_limits(machine), settings.joint_margin
     lower, upper = [low + margin for low, _ in limits], [high - margin for _, high in limits]
     links, displaced = machine.manipulator.links, [displacements(machine, axis) for axis in range(3)]

@@ -6,7 +6,7 @@ joystick is lost.
 
 A joystick without heartbeat that repeats one sample to the last bit is held still, or it hangs. Its
 own past tells them apart. A converter with noise is restless: in play it never repeats a sample for
-`HOLD`. In play means that a lever is off its rest and off its end, where a driver's deadzone and
+`STILLNESS`. In play means that a lever is off its rest and off its end, where a driver's deadzone and
 the clamp to 1 hide the noise.
 
 - After R seconds of restless play a joystick is frozen when still for `EVIDENCE` / R, `QUICK` at
@@ -41,7 +41,7 @@ from forest_msgs_py.runtime.parameter_table import Parameter
 NO_HEARTBEAT = -1  # [1] count of a source without heartbeat: no count is negative
 NO_STAMP = 0  # [ns] stamp of a message without one: ROS's default
 HEARTBEAT = "heartbeat:"  # what a Joy's frame_id begins with; a decimal count follows
-HOLD = 0.25  # [s] stillness in play that noise never shows: five samples of a joystick at 20 Hz
+STILLNESS = 0.25  # [s] stillness in play that noise never shows: five samples of a joystick at 20 Hz
 QUICK = 0.5  # [s] shortest stillness that counts as frozen: two holds
 EVIDENCE = 20.0  # [s^2] play times stillness: frozen after 2 s for 10 s of restless play; chosen
 MAY_HOLD_STILL = -math.inf  # [s] restless play of a joystick that held still: never enough
@@ -194,9 +194,9 @@ def _learnt(watch: Watch, now: float) -> float:
         return watch.restless
     if watch.joystick == Joystick.FROZEN:  # what hung may hang again: it has not shown that it may hold still
         return 0.0
-    if watch.fresh_since - watch.moved > HOLD:
+    if watch.fresh_since - watch.moved > STILLNESS:
         return MAY_HOLD_STILL
-    return watch.restless + min(now - watch.moved, HOLD)  # no more: silence between samples is no play
+    return watch.restless + min(now - watch.moved, STILLNESS)  # no more: silence between samples is no play
 
 
 def in_play(levers: Levers) -> bool:

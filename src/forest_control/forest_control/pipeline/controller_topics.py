@@ -39,19 +39,19 @@ class ControllerInputs:
     """What the controller hears beside the joints.
 
     Args:
-        pace: of the node, whose inboxes are used.
+        node_clock: of the node, whose subscriptions are used.
         machine: whose valves and joints they are.
         deadman: button to hold.
     """
 
-    def __init__(self, pace: Any, machine: Machine, deadman: int) -> None:
-        self._node_clock = pace
-        self.joy, self.valves = pace.polled_subscription(topics.JOY), ValveReports(pace, machine)
-        self.actuators = pace.polled_subscription(topics.ACTUATOR_STATES)
-        self.pressures = pace.polled_subscription(topics.PRESSURES)
+    def __init__(self, node_clock: Any, machine: Machine, deadman: int) -> None:
+        self._node_clock = node_clock
+        self.joy, self.valves = node_clock.polled_subscription(topics.JOY), ValveReports(node_clock, machine)
+        self.actuators = node_clock.polled_subscription(topics.ACTUATOR_STATES)
+        self.pressures = node_clock.polled_subscription(topics.PRESSURES)
         self._boom = ArrayReader(topics.PRESSURES, BOOM_PRESSURES)
         # In lockstep nobody plays: a step cannot wait for an answer to itself.
-        self.taught = None if pace.lockstep else pace.polled_subscription(topics.TAUGHT_COMMAND)
+        self.taught = None if node_clock.lockstep else node_clock.polled_subscription(topics.TAUGHT_COMMAND)
         self._taught = ArrayReader(topics.TAUGHT_COMMAND)
         self._joints, self._lengths = JointReader(topics.JOINTS), JointReader(topics.ACTUATORS)
         self._deadman, self._before = deadman, None  # axes and buttons of the sample before
@@ -142,18 +142,18 @@ class ControllerOutputs:
     """What the controller says.
 
     Args:
-        pace: of the node, whose publishers are used.
+        node_clock: of the node, whose publishers are used.
         plain: arrays carry no stamp.
     """
 
-    def __init__(self, pace: Any, plain: bool) -> None:
-        self._command = number_publisher(pace, topics.VALVE_COMMANDS, plain=plain)
-        self._pose = number_publisher(pace, topics.TIP_POSE, FRAME)
-        self._twist = number_publisher(pace, topics.TIP_TWIST, FRAME)
-        self._reference = number_publisher(pace, topics.TIP_TWIST_COMMAND, FRAME)
-        self._status = number_publisher(pace, topics.CONTROLLER_STATUS, plain=plain)
-        self._load = number_publisher(pace, topics.TIP_LOAD, plain=plain)
-        self._node_clock = pace
+    def __init__(self, node_clock: Any, plain: bool) -> None:
+        self._command = number_publisher(node_clock, topics.VALVE_COMMANDS, plain=plain)
+        self._pose = number_publisher(node_clock, topics.TIP_POSE, FRAME)
+        self._twist = number_publisher(node_clock, topics.TIP_TWIST, FRAME)
+        self._reference = number_publisher(node_clock, topics.TIP_TWIST_COMMAND, FRAME)
+        self._status = number_publisher(node_clock, topics.CONTROLLER_STATUS, plain=plain)
+        self._load = number_publisher(node_clock, topics.TIP_LOAD, plain=plain)
+        self._node_clock = node_clock
 
     def say_description(self, text: str) -> None:
         """Say what the crane looks like (URDF), for those who come later, too."""

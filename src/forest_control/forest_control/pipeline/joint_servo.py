@@ -17,9 +17,9 @@ from forest_control.pipeline.control_state import (
 )
 from forest_control.servo import coordinated_servo
 from forest_control.servo.coordinated_servo import CoordinationParameters, Joint, Memory
-from forest_control.servo.run_ahead import held_back
+from forest_control.servo.overspeed_limit import without_overspeed
 from forest_control.servo.schemes import Scheme, Signals, advanced, closes_on_position, moved, servo
-from forest_control.servo.standing import kept_near
+from forest_control.servo.stalled_joints import kept_near
 from forest_description.geometry.kinematics import tip_velocity
 from forest_description.types import ZERO, Vec3
 
@@ -41,12 +41,12 @@ def joint_servo(
         return Servo(reference=inputs.angles, memory=memory, rates=a, velocity=velocity)
     r, s = state.reference, inputs.angles
     after = advanced(p.scheme, r, a, velocity, p.links, dt)
-    if p.scheme == Scheme.COORDINATED and coordinated_servo.all_stand(state.memory, a):
+    if p.scheme == Scheme.COORDINATED and coordinated_servo.all_stalled(state.memory, a):
         after = kept_near(after, a, s)
     after = within_lead(after, r, s, p)
     if p.scheme == Scheme.COORDINATED:
         gains = _braking(p.coordinated) if command.phase == Phase.STOPPING else p.coordinated
-        before = coordinated_servo.going(state.memory, velocity)
+        before = coordinated_servo.with_velocity(state.memory, velocity)
         memory, u = coordinated_servo.servo(before, a, r, s, inputs.rates, inputs.voltages, gains, dt)
     else:
         memory, u = _thesis_servo(state.memory, reference, after, inputs, p, dt)
@@ -59,7 +59,7 @@ def joint_servo(
     if command.phase == Phase.STOPPING:
         u = stop_profile.onwards(u, a)
     if p.scheme == Scheme.COORDINATED:
-        u = held_back(u, a, inputs.rates)
+        u = without_overspeed(u, a, inputs.rates)
     return Servo(reference=after, memory=memory, rates=u, offset=offset, velocity=velocity)
 
 

@@ -23,14 +23,14 @@ class ValveReports:
     """The newest reports; what is older, or bad, says nothing: the valves are as the machine's file says.
 
     Args:
-        pace: of the node, whose inboxes and clock are used.
+        node_clock: of the node, whose subscriptions and clock are used.
         machine: whose valves they are.
     """
 
-    def __init__(self, pace: Any, machine: Machine) -> None:
-        self._node_clock = pace
-        self.status = pace.polled_subscription(topics.VALVE_DRIVER_STATUS, answered=True)
-        self.volts = pace.polled_subscription(topics.VALVE_VOLTAGES, answered=True)
+    def __init__(self, node_clock: Any, machine: Machine) -> None:
+        self._node_clock = node_clock
+        self.status = node_clock.polled_subscription(topics.VALVE_DRIVER_STATUS, answered=True)
+        self.volts = node_clock.polled_subscription(topics.VALVE_VOLTAGES, answered=True)
         self._status_reader = ArrayReader(topics.VALVE_DRIVER_STATUS, LEARNT)
         self._volts_reader = ArrayReader(topics.VALVE_VOLTAGES, topics.JOINTS)
         laws = [machine.valve_of(axis).law for axis in range(3)]

@@ -16,8 +16,8 @@ in the subset of Python that `forest_compile` translates; `motion_guard` tells t
 | a joint that goes back, or stands, though its valve is open | `overloaded_joint` | STOP |
 | a joint that goes by itself under a shut valve | `runaway` | STOP |
 | emergency stop; `hands_off` | `Override` | STOP |
-| the deadman is not held, the levers were not centred since | `joystick_watch` | HOLD |
-| the joystick is silent, lost, frozen, or cannot be read | `joystick_watch` | HOLD |
+| the deadman is not held, the levers were not centred since | `joystick_watch` | CONTROLLED_STOP |
+| the joystick is silent, lost, frozen, or cannot be read | `joystick_watch` | CONTROLLED_STOP |
 | none of these | | MOVE |
 
 What stops the crane disarms the levers, but for a state that is refused once: they must be centred before
@@ -63,8 +63,8 @@ class Verdict(IntEnum):
     """What the controller may do."""
 
     SKIP = 0  # the sample counts for nothing; what was decided before stands
-    STOP = 1  # zero spool at once
-    HOLD = 2  # the tip stops along its path, and is held
+    STOP = 1  # zero voltage at once
+    CONTROLLED_STOP = 2  # the tip stops along its path; then it is held
     MOVE = 3  # the levers move the crane
 
 
@@ -142,7 +142,7 @@ class Permission(NamedTuple):
     """What is remembered for one controller."""
 
     joystick: Watch = joystick_watch.REST
-    hold: InterpolatedLevers = CENTRED
+    interpolation: InterpolatedLevers = CENTRED
     checks: Checks = Checks()
     order: StampOrder = stamp_order.FIRST
     period: StampedPeriod = stamped_period.BEGIN  # of the states that are believed
@@ -163,7 +163,7 @@ def is_state_lost(permission: Permission, now: float, guard: PermissionParameter
 def disarmed(before: Permission, now: float, guard: PermissionParameters) -> Permission:
     """Judge the joystick at a time [s] when the machine must not move, whatever it says."""
     joystick, _ = assessed_watch(before.joystick, now, False, guard.joystick)
-    return before._replace(joystick=joystick, hold=CENTRED)
+    return before._replace(joystick=joystick, interpolation=CENTRED)
 
 
 def reset_sensor_watch(before: Permission) -> Permission:
@@ -228,7 +228,7 @@ def decide_by_checks(
     overloaded = overloaded_joint.is_overloaded(checks.last_overload)
     if decision.verdict == Verdict.MOVE and not let_go:
         cause = Cause.OVERLOAD if overloaded else Cause.OPERATOR
-        waiting = Decision(Verdict.HOLD, cause, believed=True, dt=dt, overloaded=overloaded)
+        waiting = Decision(Verdict.CONTROLLED_STOP, cause, believed=True, dt=dt, overloaded=overloaded)
         return disarmed(after, now, guard), waiting
     if decision.verdict == Verdict.MOVE:
         return after._replace(checks=after.checks._replace(last_overload=Overload())), decision
@@ -244,12 +244,14 @@ def decide_by_operator(
         return disarmed(before, now, guard), Decision(Verdict.STOP, cause, believed=True, dt=dt)
     joystick, operator = assessed_watch(before.joystick, now, True, guard.joystick)
     if not operator.enabled:
-        after = before._replace(joystick=joystick, hold=CENTRED)
-        return after, Decision(Verdict.HOLD, Cause.OPERATOR, believed=True, dt=dt)
-    hold = interpolated(before.hold, operator.levers, joystick.fresh_since, before.received, dt)
-    after = before._replace(joystick=joystick, hold=hold)
+        after = before._replace(joystick=joystick, interpolation=CENTRED)
+        return after, Decision(Verdict.CONTROLLED_STOP, Cause.OPERATOR, believed=True, dt=dt)
+    interpolation = interpolated(
+        before.interpolation, operator.levers, joystick.fresh_since, before.received, dt
+    )
+    after = before._replace(joystick=joystick, interpolation=interpolation)
     share = speed_share(before.link)
-    return after, Decision(Verdict.MOVE, Cause.NONE, True, levers=hold.levers, share=share, dt=dt)
+    return after, Decision(Verdict.MOVE, Cause.NONE, True, levers=interpolation.levers, share=share, dt=dt)
 
 
 def updated_checks(

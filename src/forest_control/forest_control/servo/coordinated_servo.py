@@ -25,7 +25,7 @@ from forest_control.servo.arm_feedforward import ArmModel, yielding_rates
 from forest_control.servo.inching import ARRIVED, MOVING, Inching, inched, is_due, served
 from forest_control.servo.link_bending import pushed
 from forest_control.servo.schemes import ERROR_LAG, FULL_RATE, Gains, Signals, coordinated
-from forest_control.servo.standing import Going, is_ahead, is_slow, stands, updated_going
+from forest_control.servo.stalled_joints import JointMotion, is_ahead, is_slow, is_stalled, updated_motion
 from forest_control.servo.swing_feedforward import SwingModel, inertia
 from forest_description.derived.actuator_kinematics import Linkages, actuator_speeds_to_joint_rates
 from forest_description.types import ZERO, Vec3
@@ -63,7 +63,7 @@ class Joint(NamedTuple):
     error: float = 0.0  # r - s, low-passed [rad]
     holding: bool = True
     inching: Inching = MOVING
-    going: Going = Going()
+    motion: JointMotion = JointMotion()
 
 
 AT_REST = Joint()
@@ -89,7 +89,7 @@ def in_motion(velocity: Vec3, a: Vec3, samples: int) -> Memory:
     return Memory(velocity=velocity, swing=swing, boom=boom, stick=stick, samples=samples)
 
 
-def going(memory: Memory, velocity: Vec3) -> Memory:
+def with_velocity(memory: Memory, velocity: Vec3) -> Memory:
     """Return the memory with the tip's reference velocity [m/s], which ends the averaging of the pose."""
     return memory._replace(velocity=velocity, samples=MOST_SAMPLES)
 
@@ -135,7 +135,7 @@ def servo(
         dt: [s].
     """
     m_1, m_2, m_3 = memory.swing, memory.boom, memory.stick
-    still, stand = rests(memory, a), all_stand(memory, a)
+    still, stalled = rests(memory, a), all_stalled(memory, a)
     b_1, jerk = _smooth_acceleration(m_1, a[0], p, dt)
     b_2, jerk_2 = _smooth_acceleration(m_2, a[1], p, dt)
     b_3, jerk_3 = _smooth_acceleration(m_3, a[2], p, dt)
@@ -148,9 +148,9 @@ def servo(
     x_1 = Signals(a=a[0], b=b_1, r=r[0], s=s[0], v=v[0], w=extra)
     x_2 = Signals(a=a[1], b=b_2, r=r[1], s=s[1], v=v[1], w=_onwards(yields[0], a[1]))
     x_3 = Signals(a=a[2], b=b_3, r=r[2], s=s[2], v=v[2], w=_onwards(yields[1], a[2]))
-    swing, u_1 = _joint_servo(m_1, x_1, volts[0] == 0.0, still, stand, inch[0], 0, p, dt)
-    boom, u_2 = _joint_servo(m_2, x_2, volts[1] == 0.0, still, stand, inch[1], 1, p, dt)
-    stick, u_3 = _joint_servo(m_3, x_3, volts[2] == 0.0, still, stand, inch[2], 2, p, dt)
+    swing, u_1 = _joint_servo(m_1, x_1, volts[0] == 0.0, still, stalled, inch[0], 0, p, dt)
+    boom, u_2 = _joint_servo(m_2, x_2, volts[1] == 0.0, still, stalled, inch[1], 1, p, dt)
+    stick, u_3 = _joint_servo(m_3, x_3, volts[2] == 0.0, still, stalled, inch[2], 2, p, dt)
     memory = memory._replace(swing=swing, boom=boom, stick=stick, torque=torque)
     return memory, (u_1, u_2, u_3)
 
@@ -179,15 +179,15 @@ def _rests(memory: Joint, a: float) -> bool:
     return max(abs(a), abs(memory.a)) < REST_RATE
 
 
-def all_stand(memory: Memory, a: Vec3) -> bool:
-    """Tell whether all joints stand that shall go at reference rates a [rad/s]."""
+def all_stalled(memory: Memory, a: Vec3) -> bool:
+    """Tell whether all joints that shall go at reference rates a [rad/s] are stalled."""
     if is_slow(a[0]) and is_slow(a[1]) and is_slow(a[2]):
         return False
-    m_1, m_2, m_3 = memory.swing.going, memory.boom.going, memory.stick.going
+    m_1, m_2, m_3 = memory.swing.motion, memory.boom.motion, memory.stick.motion
     return (
-        (is_slow(a[0]) or stands(m_1, a[0]))
-        and (is_slow(a[1]) or stands(m_2, a[1]))
-        and (is_slow(a[2]) or stands(m_3, a[2]))
+        (is_slow(a[0]) or is_stalled(m_1, a[0]))
+        and (is_slow(a[1]) or is_stalled(m_2, a[1]))
+        and (is_slow(a[2]) or is_stalled(m_3, a[2]))
     )
 
 
@@ -205,7 +205,7 @@ def _joint_servo(
     x: Signals,
     shut: bool,
     all_rest: bool,
-    stand: bool,
+    stalled: bool,
     inch: float,
     i: int,
     p: CoordinationParameters,
@@ -218,7 +218,7 @@ def _joint_servo(
         x: its signals; `x.w` is what else is fed forward.
         shut: the driver keeps its valve shut.
         all_rest: the reference of no joint moves.
-        stand: all joints stand that shall go.
+        stalled: all joints are that shall go.
         inch: rate of an inch, of either sign [rad/s].
         i: which joint.
         p: parameters.
@@ -230,9 +230,9 @@ def _joint_servo(
     if all_rest and is_due(memory.inching, shut):
         inching = inched(memory.inching, error, shut, abs(inch), p.free_ways[i], dt)
         return Joint(a=x.a, b=x.b, w=memory.w, error=filtered, holding=True, inching=inching), HELD
-    # At rest the integral learns what leaks, through an open valve; behind a shut one, or before joints that
-    # stand, it would wind up.
-    learns = not (stand and is_ahead(x.a, error)) and (not still or (not shut and not holds))
+    # At rest the integral learns what leaks, through an open valve; behind a shut one, or before joints
+    # that are stalled, it would wind up.
+    learns = not (stalled and is_ahead(x.a, error)) and (not still or (not shut and not holds))
     grown = memory.w + dt * p.integral[i] * error if learns else memory.w
     w = max(-p.integral_limit, min(p.integral_limit, grown))
     part = x.a / FULL_RATE
@@ -242,8 +242,8 @@ def _joint_servo(
     fed_back = filtered if calm else filtered + quick * (error - filtered)
     u = HELD if holds else coordinated(x._replace(s=x.r - fed_back, w=x.w + w), p.gains[i])
     inching = served(memory.inching, dt) if all_rest else MOVING
-    gone = updated_going(memory.going, x.a, x.v, dt)
-    return Joint(a=x.a, b=x.b, w=w, error=filtered, holding=holds, inching=inching, going=gone), u
+    motion = updated_motion(memory.motion, x.a, x.v, dt)
+    return Joint(a=x.a, b=x.b, w=w, error=filtered, holding=holds, inching=inching, motion=motion), u
 
 
 def _smooth_acceleration(

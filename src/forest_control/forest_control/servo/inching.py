@@ -1,7 +1,8 @@
 """Inching: a joint at rest is brought to its reference in short motions, its valve shut in between.
 
 A servo on a valve whose overlap is estimated too wide is a relay: its least command makes the
-actuator jump, and the loop cycles. Inching does what a person does: measure the error with the
+actuator jump, and the loop cycles. Inching is the word of IEC 60947-4-1 for a motor that is
+energised again and again, shortly, for small movements. A person does so, too: measure the error with the
 valve shut, open the valve for as long as most of the way takes, shut it, measure again.
 
 | symbol | name | unit |

@@ -19,31 +19,30 @@ class Inputs:
     """Joints, pressures at the monitored ports and of the supply, and the oil's temperature.
 
     Args:
-        pace: of the node.
+        node_clock: of the node.
         plan: of the experiment; a rig is stepped by its pressures, a crane by its joints.
         on_sample: called with each sample on which the operator steps.
     """
 
-    def __init__(self, pace: Any, plan: Plan, on_sample: OnSample) -> None:
+    def __init__(self, node_clock: Any, plan: Plan, on_sample: OnSample) -> None:
         self._on_sample, self._joints = on_sample, JointReader(topics.JOINTS)
         self.ports = monitored_ports(plan)
         self._ports = ArrayReader(topics.PRESSURES, self.ports) if self.ports else None
-        self._inbox = pace.polled_subscription(topics.PRESSURES) if self.ports and not plan.bench else None
+        polled = node_clock.polled_subscription
+        self._subscription = polled(topics.PRESSURES) if self.ports and not plan.bench else None
         labels = {topics.SUPPLY: "pressure", topics.AUXILIARY: "tank_temperature"}
-        if pace.lockstep:  # the topics' table has no reader of it to wait for
+        if node_clock.lockstep:  # the topics' table has no reader of it to wait for
             del labels[topics.AUXILIARY]
-        self._slow = [
-            (pace.polled_subscription(topic), ArrayReader(topic, (label,))) for topic, label in labels.items()
-        ]
+        self._slow = [(polled(topic), ArrayReader(topic, (label,))) for topic, label in labels.items()]
         self._values = [NOTHING, NOTHING]
         self._pressures: tuple[float, ...] = ()
         self._received = -math.inf
         self._crane: Any = None  # joints of the crane whose valve is on the rig
         if plan.bench:
-            self._crane = None if pace.lockstep else pace.polled_subscription(topics.JOINT_STATES)
-            pace.on(topics.PRESSURES, self._on_pressures)
+            self._crane = None if node_clock.lockstep else polled(topics.JOINT_STATES)
+            node_clock.on(topics.PRESSURES, self._on_pressures)
         else:
-            pace.on(topics.JOINT_STATES, self._on_joints)
+            node_clock.on(topics.JOINT_STATES, self._on_joints)
 
     def _on_joints(self, data: bytes, sent: float) -> None:
         reading = self._joints.read(data)
@@ -72,10 +71,10 @@ class Inputs:
 
     def read(self, angles: Vec3) -> Readings:
         """Return the newest readings together with the joints' angles [rad]."""
-        if self._inbox is not None and (arrival := self._inbox.newest()):
+        if self._subscription is not None and (arrival := self._subscription.newest()):
             self._read_pressures(arrival.message, arrival.time)
-        for place, (inbox, reader) in enumerate(self._slow):
-            if arrival := inbox.newest():
+        for place, (subscription, reader) in enumerate(self._slow):
+            if arrival := subscription.newest():
                 reading = reader.read(arrival.message, 0)
                 self._values[place] = NOTHING if reading.problem else reading.values[0]
         return Readings(angles, self._pressures, *self._values)

@@ -31,7 +31,7 @@ from forest_description.sensors.sensor_calibration import (
 )
 from forest_description.types import Floats
 from forest_ident.estimators.parameter_estimate import NORMAL_95
-from forest_ident.experiments import test_rig
+from forest_ident.experiments import rigs
 from forest_ident.measurements.readings import read
 from forest_ident.measurements.session import Session, SessionError
 from forest_ident.output_error.fit_problem import Unknown
@@ -214,5 +214,5 @@ def as_read(columns: Mapping[str, Floats], machine: Machine) -> dict[str, Floats
 
 def _ends(machine: Machine, name: str) -> list[float]:
     """Return the ends of a channel's range."""
-    part = getattr(test_rig.meters(machine), KIND[name].name)
+    part = getattr(rigs.meters(machine), KIND[name].name)
     return [0.0, part.full_scale] if KIND[name].name == "pressure" else [part.lowest, part.highest]

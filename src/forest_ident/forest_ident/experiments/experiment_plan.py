@@ -28,7 +28,7 @@ from forest_description.geometry.linkage import joint_angle
 from forest_description.machine import Machine
 from forest_description.mechanics.drives import CylinderDrive
 from forest_description.types import AXES, Vec3
-from forest_ident.experiments import test_rig
+from forest_ident.experiments import rigs
 from forest_ident.experiments.excitation import Programme, Row, Track, stairs
 
 TILT = 0.15  # [rad] of the platform for the internal leakage
@@ -164,18 +164,18 @@ def _valve(name: str, machine: Machine, axis: int) -> Plan:
         "meter back to port 2; supply and tank as on the crane. Pressure transducers of the swing at both "
         "ports, one in the supply. Oil through the cooler at one temperature."
     )
-    return _bench(name, machine, test_rig.valve_bench(machine, axis), setup, stairs((*fine, *coarse), 0.6))
+    return _bench(name, machine, rigs.valve_bench(machine, axis), setup, stairs((*fine, *coarse), 0.6))
 
 
 def _spool_lag(machine: Machine) -> Plan:
     rated = machine.valve_of(0).rated_voltage
     rows = stairs((0.3 * rated, 0.7 * rated, 0.45 * rated, 0.9 * rated), 0.11)
     setup = "As for the valve. The spool sensor and the amplifier's voltage on one clock."
-    return _bench("spool_lag", machine, test_rig.valve_bench(machine), setup, rows, 16.0)
+    return _bench("spool_lag", machine, rigs.valve_bench(machine), setup, rows, 16.0)
 
 
 def _hose(name: str, machine: Machine, axis: int, laminar: bool) -> Plan:
-    rig = test_rig.hose_bench(machine, axis, laminar)
+    rig = rigs.hose_bench(machine, axis, laminar)
     rated = rig.valve_of(0).rated_voltage
     levels = tuple(rated * share for share in (0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 1.0))
     groups = [
@@ -183,7 +183,7 @@ def _hose(name: str, machine: Machine, axis: int, laminar: bool) -> Plan:
         for low, high, hold in ((0.35, 0.6, 0.35), (0.4, 0.7, 0.25), (0.35, 0.7, 0.15), (0.4, 0.8, 0.2))
     ]
     rows = (*stairs(levels, 1.4), *(row for group in groups for row in group))
-    length = test_rig.as_measured(machine, machine.hose_of(axis)).length
+    length = rigs.as_measured(machine, machine.hose_of(axis)).length
     setup = (
         f"A piece of the hose, {length:g} m, straight, between the valve's port 1 and the braked metering "
         "motor; flow meter and pressure transducer at its entrance, the others at its exit. Bleed it. Oil "

@@ -11,7 +11,7 @@ from collections.abc import Iterator, Mapping, Sequence
 import numpy as np
 
 from forest_description.machine import Machine
-from forest_ident.experiments import test_rig
+from forest_ident.experiments import rigs
 from forest_ident.measurements.session import Session, SessionError
 from forest_ident.output_error import noise_model, residual_test
 from forest_ident.output_error.fit_problem import FAR, Fit
@@ -33,7 +33,7 @@ def residual_tests(start: Machine, session: Session, fit: Fit) -> list[ResidualT
         session: that was fitted.
         fit: of it.
     """
-    sensed = dataclasses.replace(start, sensors=test_rig.meters(start))
+    sensed = dataclasses.replace(start, sensors=rigs.meters(start))
     found = []
     for name, noise in fit.noise.items():
         known = not session.is_exact and getattr(sensed.sensors, noise_model.KIND[name].name) is not None

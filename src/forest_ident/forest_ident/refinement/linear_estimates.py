@@ -16,7 +16,7 @@ from forest_ident.estimators import (
 )
 from forest_ident.estimators.least_squares import LinearFit
 from forest_ident.estimators.parameter_estimate import Estimate, unit_of
-from forest_ident.experiments import test_rig
+from forest_ident.experiments import rigs
 from forest_ident.measurements import sample_mask
 from forest_ident.measurements.parameter_path import hose_section, value_of, valve_at, with_part
 from forest_ident.measurements.session import Session, SessionError
@@ -32,7 +32,7 @@ MOVED = 0.05  # [rad]
 def meter(machine: Machine, session: Session | None = None) -> FlowMeter | None:
     """Return the flow meters of a machine's bench; None for exact ones."""
     exact = session is not None and session.is_exact
-    return None if exact else test_rig.meters(machine).flow_meter
+    return None if exact else rigs.meters(machine).flow_meter
 
 
 def floor(machine: Machine, session: Session | None = None) -> float:
@@ -49,9 +49,7 @@ def highest(machine: Machine, session: Session) -> float:
 
 def with_measured_hose(machine: Machine, axis: int) -> Machine:
     """Return the machine with the hose of an axis described as a measured one."""
-    return with_part(
-        machine, hose_section(machine, axis), test_rig.as_measured(machine, machine.hose_of(axis))
-    )
+    return with_part(machine, hose_section(machine, axis), rigs.as_measured(machine, machine.hose_of(axis)))
 
 
 def estimates(machine: Machine, session: Session) -> list[Estimate]:
@@ -148,7 +146,7 @@ def _hose(machine: Machine, session: Session) -> list[Estimate]:
     missing = [name for name in ("hose_axis", "laminar") if name not in session.metadata]
     _require(session, not missing, f"no fact {', '.join(missing)}", "hose_axis (0, 1, 2) and laminar (0, 1)")
     laminar, axis = session.metadata["laminar"] > 0.0, int(session.metadata["hose_axis"])
-    section, length = hose_section(machine, axis), test_rig.as_measured(machine, machine.hose_of(axis)).length
+    section, length = hose_section(machine, axis), rigs.as_measured(machine, machine.hose_of(axis)).length
     piece = session.metadata.get("hose_length", length)
     allowed = f"the {length:g} m of {section}.length, in whose numbers R, I and C are told"
     _require(session, math.isclose(piece, length, rel_tol=1e-3), f"a piece of {piece:g} m", allowed)

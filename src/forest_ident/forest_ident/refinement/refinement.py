@@ -16,7 +16,7 @@ from forest_description.machine import Machine
 from forest_description.types import AXES, Floats
 from forest_ident.estimators import calibration
 from forest_ident.estimators.parameter_estimate import is_positive
-from forest_ident.experiments import experiment_plan, test_rig
+from forest_ident.experiments import experiment_plan, rigs
 from forest_ident.measurements import sample_mask
 from forest_ident.measurements.parameter_path import value_of, with_directions, with_part, with_values
 from forest_ident.measurements.session import Session, SessionError
@@ -93,7 +93,7 @@ def _channels(machine: Machine, session: Session, work: Task) -> list[Channel]:
     Raises:
         SessionError: there is none.
     """
-    sensed = dataclasses.replace(machine, sensors=test_rig.meters(machine)) if session.on_rig else machine
+    sensed = dataclasses.replace(machine, sensors=rigs.meters(machine)) if session.on_rig else machine
     channels = noise_model.channels(sensed, session, work.channels)
     if not channels:
         wanted = ", ".join(work.channels)
@@ -208,7 +208,7 @@ def _predicted(
     model = prepared(with_inertias(with_values(machine, own), factors), session)
     load = values.get(f"rig.load.{session.name}")
     if load is not None:
-        model = with_values(model, {test_rig.LOAD_KEY: load * test_rig.DISPLACEMENT**2})
+        model = with_values(model, {rigs.LOAD_KEY: load * rigs.DISPLACEMENT**2})
     if "tilt" in values:
         key = "manipulator.platform_tilt"
         model = with_values(model, {key: value_of(model, key) + values["tilt"]})

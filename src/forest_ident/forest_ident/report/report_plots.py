@@ -18,7 +18,7 @@ from forest_ident.estimators import (
     motor_leakage,
     valve_estimate,
 )
-from forest_ident.experiments import test_rig
+from forest_ident.experiments import rigs
 from forest_ident.measurements.differentiator import derivative, smooth
 from forest_ident.measurements.parameter_path import valve_at
 from forest_ident.measurements.session import Session
@@ -101,7 +101,7 @@ def capacitance(axes: Any, machine: Machine, session: Session) -> None:
 def _dynamics(machine: Machine, session: Session) -> tuple[MeasuredHose, tuple[Floats, ...]]:
     """Return the hose, and every fifth row of the terms of its equations."""
     laminar = session.metadata.get("laminar", 0.0) > 0.0
-    of = test_rig.as_measured(machine, machine.hose_of(int(session.metadata.get("hose_axis", 0.0))))
+    of = rigs.as_measured(machine, machine.hose_of(int(session.metadata.get("hose_axis", 0.0))))
     r = of.laminar_resistance if laminar else of.turbulent_resistance
     meter = linear_estimates.meter(machine, session)
     lag = meter.time_constant if meter else 0.0

@@ -60,14 +60,14 @@ class LiveClock:
 
     def on(self, topic: Topic, callback: Callable[[bytes, float], None]) -> ReceivedCount:
         """Call with each message of a topic and the time at which it was sent, by `now`'s clock [s]."""
-        tally = ReceivedCount()
+        received = ReceivedCount()
 
         def arrived(data: bytes, info: dict[str, int]) -> None:
-            tally.note(info)
+            received.note(info)
             callback(data, sent_at(info))
 
-        tally.subscription = subscription(self._node, topic, arrived, raw=True)
-        return tally
+        received.subscription = subscription(self._node, topic, arrived, raw=True)
+        return received
 
     def every(self, period: float, callback: Callable[[], None]) -> None:
         """Call once in a period [s]."""

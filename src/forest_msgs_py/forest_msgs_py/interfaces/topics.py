@@ -127,7 +127,7 @@ AUXILIARY = Topic(
 )
 VALVE_COMMANDS = Topic(
     name="valve_commands", type=FLOAT_ARRAY, labels=JOINTS, units=("V",) * 3, rate_hz=_RATE,
-    doc="Wanted actuator speeds, as the voltages of ideal valves (no lap, linear, nominal pressure drop).",
+    doc="Wanted actuator speeds, as voltages of ideal valves (no overlap, linear, nominal pressure drop).",
     publishers=(_CONTROLLER,), subscribers=(_DRIVER,),
 )
 VALVE_VOLTAGES = Topic(

@@ -1,1 +1,1 @@
-"""Machines under way, without a graph: inputs, disturbances, energy, records, batches."""
+"""Machines under way, without a graph: inputs, disturbances, energy, records."""

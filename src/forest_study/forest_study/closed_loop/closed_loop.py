@@ -116,6 +116,7 @@ def run(
     watch: Callable[[float, Vec3], None] = lambda _time, _angles: None,
     plant: PlantParameters | None = None,
     late: Lateness = IN_TIME,
+    fast: bool = False,
 ) -> Trajectory:
     """Run a session.
 
@@ -132,6 +133,7 @@ def run(
         watch: is told time [s] and true joint angles [rad] after each period: an operator's eyes.
         plant: what is simulated instead of the machine's own parameters.
         late: answers that do not come within their period; default: none.
+        fast: controller and driver are machine code, where that has been made.
     """
     p = plant_parameters(machine) if plant is None else plant
     believed = machine if model is None else model
@@ -140,7 +142,7 @@ def run(
         controller_settings.parameters(believed, control),
         valve_driver_parameters.parameters(believed, drive),
     )
-    loop = ClosedLoop(p, *cores, start, suite, ways, late)
+    loop = ClosedLoop(p, *cores, start, suite, ways, late, fast)
     rows = []
     for k in range(round(duration / PERIOD)):
         happened = loop.period(operator(k * PERIOD))
@@ -166,7 +168,7 @@ class ClosedLoop:
         suite: sensors.
         ways: quality of the links.
         late: answers that do not come within their period.
-        fast: controller and driver are machine code, where that can be made.
+        fast: controller and driver are machine code, where that has been made.
     """
 
     def __init__(

@@ -5,6 +5,7 @@ released while a run is under way, so that threads use all cores.
 """
 
 from collections.abc import Callable, Mapping
+from functools import lru_cache
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -138,10 +139,23 @@ class Session:
         _change_load(self.state, self.knowledge, plant)
 
     @property
+    def head(self) -> tuple[float, float]:
+        """Angles of what hangs from the tip [rad]."""
+        alpha, beta = self.state[_places_of_head()].tolist()
+        return alpha, beta
+
+    @property
     def loop(self) -> Loop:
         """All that is remembered."""
         found: Loop = flat_layout.unpacker(loop_kernel.example()[1])(self.state.tolist())
         return found
+
+
+@lru_cache(maxsize=1)
+def _places_of_head() -> list[int]:
+    """Return where the angles of what hangs lie in a state."""
+    names = [path for path, _ in flat_layout.leaves(loop_kernel.example()[1], "loop")]
+    return [names.index(f"loop.simulation.plant.head.{name}") for name in ("alpha", "beta")]
 
 
 def _change_load(state: Floats, knowledge: Floats, plant: PlantParameters) -> None:
@@ -205,7 +219,8 @@ def by_heart(
     spoken = [[*one.levers, one.enabled] for one in done if isinstance(one, Operator)]
     if len(spoken) < len(done) or not can_compile() or (suite is not None and suite.faults):
         said = iter(done)
-        return closed_loop.run(machine, lambda _: next(said), duration, start, control, drive, model, suite)
+        given = machine, lambda _: next(said), duration, start, control, drive, model, suite
+        return closed_loop.run(*given, fast=True)
     table = np.array(spoken, dtype=np.float64)
     return run(machine, table, start, control, drive, model, suite)
 

@@ -1,7 +1,7 @@
 """What a hand feels of the delay: from the lever's new deflection to the voltage that follows it, from a bag.
 
 `joy_to_valve_ms` of the summary is what the graph adds. The controller reads the levers later than that, on
-lines between the joystick's samples (`lever_hold`), and its reference has a slope of its own.
+lines between the joystick's samples (`joystick_interpolation`), and its reference has a slope of its own.
 
 | key | from | to the first voltage that answers |
 |---|---|---|

@@ -92,7 +92,7 @@ def replayed(session: Session, timing: Timing, machine: Machine) -> Trajectory:
     settings, drive = controller_settings.Settings(), valve_driver_parameters.Settings()
     duration = len(session.armed) * PERIOD
     late = Lateness(timing.behind, timing.late if timing.said else ())
-    return run_loop(machine, joystick, duration, session.start, settings, drive, late=late)
+    return run_loop(machine, joystick, duration, session.start, settings, drive, late=late, fast=True)
 
 
 def _sample(session: Session, said: float, number: int, held: bool) -> Sample:

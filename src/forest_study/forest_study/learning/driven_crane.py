@@ -25,8 +25,9 @@ from forest_description.machine import Machine
 from forest_description.types import Vec3
 from forest_msgs_py.types import PERIOD
 from forest_sim.equations.plant_parameters import PlantParameters, plant_parameters
-from forest_sim.sensors import sensor_readings
-from forest_sim.sensors.sensor_suite import Suite, draw, noise_generator
+from forest_sim.sensors.sensor_readings import NOMINAL
+from forest_sim.sensors.sensor_run import SensorRun
+from forest_sim.sensors.sensor_suite import Suite
 from forest_sim.solver.compiled_plant import compiled_advance
 from forest_sim.solver.equilibrium import equilibrium
 from forest_study.closed_loop import compiled_loop
@@ -122,17 +123,14 @@ class ValveCrane:
         self._links = machine.manipulator.links
         self._rated = [machine.valve_of(axis).rated_voltage for axis in range(3)]
         rest = equilibrium(start, self._plant)
-        self._suite, self._chance = suite, noise_generator(suite)
-        self._sensors = sensor_readings.at_rest(rest, self._plant, suite)
+        self._sensors = SensorRun(rest, self._plant, self._links, suite, NOMINAL)
         self._simulation, self._advance = until_first_report(rest, self._plant), compiled_advance()
 
     def move(self, action: Vec3) -> Sensed:
         """Move over a step."""
         one, two, three = (share * rated for share, rated in zip(action, self._rated, strict=True))
         for _ in range(PERIODS):
-            self._sensors, seen = sensor_readings.measure(
-                self._simulation, self._sensors, self._plant, PERIOD, self._suite, draw(self._chance)
-            )
+            seen = self._sensors.sample(self._simulation, PERIOD).seen
             plant = self._simulation.plant
             volts, dt = (one, two, three), PERIOD / SUBSTEPS
             self._simulation = self._advance(self._simulation, volts, dt, SUBSTEPS, self._plant)

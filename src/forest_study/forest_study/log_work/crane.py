@@ -34,7 +34,6 @@ from forest_study.tracking.tracking import noisy
 LOOK = 4  # [periods] between two looks: 20 ms, ten to an operator's delay
 MODES = ("joint", "tip", "assisted", "taught")
 FASTEST = 3.0  # [m/s] that a lever may ask for, the setting's bound
-HEAD = tuple(f"loop.simulation.plant.head.{name}" for name in ("alpha", "beta"))
 ARMED = "loop.control.permission.joystick.armed"
 
 
@@ -103,7 +102,7 @@ class Crane:
         half = max(0, round(0.5 * trip / (LOOK * PERIOD)))
         self._said: deque[Levers] = deque([REST] * half, maxlen=half + 1)
         names = [path for path, _ in flat_layout.leaves(self._session.loop, "loop")]
-        self._head, self._armed = [names.index(name) for name in HEAD], names.index(ARMED)
+        self._armed = names.index(ARMED)
         self._looks: list[Seen] = []
         self._shown: deque[Seen] = deque(maxlen=half + 1)
 
@@ -128,9 +127,8 @@ class Crane:
         row, session = self._session.row, self._session
         session.levers[row : row + LOOK, :3] = self._said[0]
         session.advance(row + LOOK)
-        alpha, beta = session.state[self._head].tolist()
         last = session.newest
-        seen = Seen(last.angles, last.tip, (alpha, beta))
+        seen = Seen(last.angles, last.tip, session.head)
         self._looks.append(seen)
         self._shown.append(seen)
         return self._shown[0]

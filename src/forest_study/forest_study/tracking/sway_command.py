@@ -14,19 +14,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from forest_control.config import controller_settings
-from forest_control.operator.levers import REST, levers_for_tip_velocity
+from forest_control.operator.levers import levers_for_tip_velocity
 from forest_control.valve import valve_driver_parameters
 from forest_description.derived.bodies import with_log
 from forest_description.derived.limits import pose_at, start_tip
-from forest_description.geometry.kinematics import tip_position
 from forest_description.machine import Machine, load_machine
 from forest_description.types import Floats, Vec3
 from forest_msgs_py.runtime.command_line import number
 from forest_msgs_py.types import PERIOD
 from forest_sim.equations.plant_parameters import plant_parameters
-from forest_sim.sensors.sensor_suite import sensor_suite
-from forest_study.closed_loop.closed_loop import ClosedLoop, Operator
-from forest_study.results import StudyError, new_directory, write_json
+from forest_study.closed_loop import compiled_loop
+from forest_study.results import StudyError, new_directory, require_llvm, write_json
 
 WAYS: dict[str, Vec3] = {"to the left": (0.0, 1.0, 0.0), "inwards": (-1.0, 0.0, 0.0)}
 BEFORE, AFTER = 0.3, 8.0  # [s] at rest before the lever is deflected, and after it is let go
@@ -72,8 +70,9 @@ def run(options: argparse.Namespace) -> int:
     """Print the table, and write `sway.json` and `sway.png`; return the exit code.
 
     Raises:
-        StudyError: nothing hangs from the machine's tip.
+        StudyError: LLVM is not installed, or nothing hangs from the machine's tip.
     """
+    require_llvm("sway")
     machine = load_machine(options.machine)
     if machine.manipulator.pendulum is None:
         raise StudyError(f"sway: nothing hangs from the tip of {machine.name}; allowed: manipulator.pendulum")
@@ -106,25 +105,17 @@ def stopped(crane: Machine, model: Machine, way: str, speed: float, seconds: flo
         anti_sway: the controller's setting.
     """
     control = controller_settings.Settings(tip_speed=speed, anti_sway=anti_sway)
-    loop = ClosedLoop(
-        plant_parameters(crane),
-        controller_settings.parameters(model, control),
-        valve_driver_parameters.parameters(model, valve_driver_parameters.Settings()),
-        pose_at(start_tip(model), model),
-        sensor_suite(model),
-        fast=True,
-    )
     x, y, z = WAYS[way]
-    levers = levers_for_tip_velocity((speed * x, speed * y, speed * z), speed)
-    tips, sway = [], []
-    let_go = round((BEFORE + seconds) / PERIOD)
-    for k in range(let_go + round(AFTER / PERIOD)):
-        held = k * PERIOD >= BEFORE and k < let_go
-        happened = loop.period(Operator(levers if held else REST))
-        head = loop.simulation.plant.head
-        sway.append(math.hypot(head.alpha, head.beta))
-        tips.append(tip_position(happened.angles, model.manipulator.links))
-    places, swung = np.array(tips), np.array(sway)
+    thrown, let_go = round(BEFORE / PERIOD), round((BEFORE + seconds) / PERIOD)
+    levers = np.tile(np.array([0.0, 0.0, 0.0, 1.0]), (let_go + round(AFTER / PERIOD), 1))
+    levers[thrown:let_go, :3] = levers_for_tip_velocity((speed * x, speed * y, speed * z), speed)
+    start, drive = pose_at(start_tip(model), model), valve_driver_parameters.Settings()
+    given = compiled_loop.prepared(model, levers, start, control, drive, plant=plant_parameters(crane))
+    session, sway = compiled_loop.Session(given), []
+    for row in range(len(levers)):
+        session.advance(row + 1)
+        sway.append(math.hypot(*session.head))
+    places, swung = session.moved.tip, np.array(sway)
     velocity = np.linalg.norm(np.gradient(places, PERIOD, axis=0), axis=1)
     rests = _last(velocity > RESTS, let_go)
     return Run(
@@ -133,7 +124,7 @@ def stopped(crane: Machine, model: Machine, way: str, speed: float, seconds: flo
         tip_rests_s=PERIOD * (rests - let_go),
         sway_deg=math.degrees(swung[rests:].max()) if rests < len(swung) else math.nan,
         head_rests_s=PERIOD * (_last(swung > CALM, let_go) - let_go),
-        moved_m=math.dist(tips[0], tips[-1]),
+        moved_m=math.dist(places[0], places[-1]),
         time=PERIOD * np.arange(len(sway), dtype=np.float64) - BEFORE,
         sway=swung,
     )

@@ -2,14 +2,14 @@
 
 import pytest
 
-from forest_control.servo.run_ahead import held_back
+from forest_control.servo.overspeed_limit import without_overspeed
 
 
 def one(u, a, v):
     """The stick's, which is not to be told from the others'."""
-    swing, boom, stick = held_back((u, u, u), (a, a, a), (v, v, v))
+    swing, boom, stick = without_overspeed((u, u, u), (a, a, a), (v, v, v))
     assert swing == boom == stick
-    assert held_back((-u, 0.0, 0.0), (-a, 0.0, 0.0), (-v, 0.0, 0.0))[0] == -stick
+    assert without_overspeed((-u, 0.0, 0.0), (-a, 0.0, 0.0), (-v, 0.0, 0.0))[0] == -stick
     return stick
 
 

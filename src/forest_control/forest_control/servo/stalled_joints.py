@@ -1,8 +1,8 @@
-"""Joints that stand although they shall go, all at once: no voltage reaches the spools, or they have no oil.
+"""Stalled joints: they stand although they shall go, all at once.
 
-A reference that went on would be made up for once the joints come free, and throw the tip. So it keeps near
-joints that have gone before and stand. A load, or a limit of one valve, holds one joint while others go: that
-one may need a wider valve, and keeps its reference.
+No voltage reaches the spools, or they have no oil. A reference that went on would be made up for once the
+joints come free, and throw the tip. So it keeps near joints that have gone before and stand. A load, or a
+limit of one valve, holds one joint while others go: that one may need a wider valve, and keeps its reference.
 
 | symbol | name | unit |
 |---|---|---|
@@ -19,30 +19,30 @@ from typing import NamedTuple
 from forest_control.servo.schemes import ERROR_LAG
 from forest_description.types import Vec3
 
-GOES = 0.5  # [1] of a, from which a joint has gone
-STANDS = 0.4  # [1] of a, within which it stands; at a half a weak valve's joint would, too
+MOVES = 0.5  # [1] of a, from which a joint has gone
+STALLED = 0.4  # [1] of a, within which it stands; at a half a weak valve's joint would, too
 SLOW = 5e-3  # [rad/s] of a joint that need not be asked: 30 mm/s of the tip at 6 m
 NEAR = 2e-3  # [rad] that a reference is ahead: no more than 0.01 rad/s of the servo's
 
 
-class Going(NamedTuple):
+class JointMotion(NamedTuple):
     """How one joint goes."""
 
     rate: float = 0.0  # v, low-passed [rad/s]
     side: float = 0.0  # 1, -1: it has gone that way since it rested or turned round; 0: it has not
 
 
-def updated_going(before: Going, a: float, v: float, dt: float) -> Going:
+def updated_motion(before: JointMotion, a: float, v: float, dt: float) -> JointMotion:
     """Return how a joint goes after dt [s] at a reference rate a and a measured rate v [rad/s]."""
     rate = before.rate + (1.0 - math.exp(-dt / ERROR_LAG)) * (v - before.rate)
-    if rate * a > GOES * a * a:
-        return Going(rate, math.copysign(1.0, a))
-    return Going(rate, before.side if before.side * a > 0.0 else 0.0)
+    if rate * a > MOVES * a * a:
+        return JointMotion(rate, math.copysign(1.0, a))
+    return JointMotion(rate, before.side if before.side * a > 0.0 else 0.0)
 
 
-def stands(g: Going, a: float) -> bool:
-    """Tell whether a joint has gone at its reference rate a [rad/s], and stands."""
-    return g.side * a > 0.0 and abs(g.rate) < STANDS * abs(a)
+def is_stalled(motion: JointMotion, a: float) -> bool:
+    """Tell whether a joint has gone at its reference rate a [rad/s], and stands now."""
+    return motion.side * a > 0.0 and abs(motion.rate) < STALLED * abs(a)
 
 
 def is_slow(a: float) -> bool:

@@ -1,4 +1,4 @@
-"""What a joint that runs ahead of its reference is commanded: no more than its reference and a little.
+"""Overspeed limit: a joint that is faster than its reference is commanded little more than that reference.
 
 A load that slips or drops, or a valve that lets more through than its file says, makes a joint faster than it
 shall be. A servo that still makes up for what was lost before would throw the tip.
@@ -20,7 +20,7 @@ OVER = 1.2  # [1] of a, that the joint may go: as the bound on the tip's speed a
 SPARE = 0.03  # [rad/s] beyond it: noise of a measured rate, and what brings a joint back to its reference
 
 
-def held_back(u: Vec3, a: Vec3, v: Vec3) -> Vec3:
+def without_overspeed(u: Vec3, a: Vec3, v: Vec3) -> Vec3:
     """Return commanded rates [rad/s] that do not speed up joints that run ahead.
 
     Args:
@@ -28,10 +28,10 @@ def held_back(u: Vec3, a: Vec3, v: Vec3) -> Vec3:
         a: reference rates [rad/s].
         v: measured rates [rad/s].
     """
-    return _held_back(u[0], a[0], v[0]), _held_back(u[1], a[1], v[1]), _held_back(u[2], a[2], v[2])
+    return _limited(u[0], a[0], v[0]), _limited(u[1], a[1], v[1]), _limited(u[2], a[2], v[2])
 
 
-def _held_back(u: float, a: float, v: float) -> float:
+def _limited(u: float, a: float, v: float) -> float:
     return _bounded(u, a, v) if u >= 0.0 else -_bounded(-u, -a, -v)
 
 

@@ -9,7 +9,7 @@ from forest_description.machine import load_machine
 from forest_description.types import AXES
 from forest_ident.driving.simulated_experiment import run
 from forest_ident.experiments import experiment_plan
-from forest_ident.experiments import test_rig as rig
+from forest_ident.experiments import rigs as rig
 from forest_sim.sensors.sensor_suite import sensor_suite
 
 ON_THE_CRANE = ("chambers", "friction", "backlash", "holding_1", "holding_2", "elasticity")
