@@ -2,9 +2,15 @@
 
 import pytest
 
-from forest_control.config.parameter_update import SETTLED, ParameterUpdate
+from forest_control.config.parameter_update import ParameterUpdate
 
 PERIOD = 0.005  # [s]
+
+
+def test_what_nobody_has_changed_stays():
+    tuning = ParameterUpdate("a")
+    assert not tuning.apply_if_due(True, PERIOD)
+    assert tuning.core == "a"
 
 
 def test_a_change_counts_at_once_and_of_those_after_it_the_newest_when_it_has_faded():
@@ -18,7 +24,7 @@ def test_a_change_counts_at_once_and_of_those_after_it_the_newest_when_it_has_fa
     while not tuning.apply_if_due(False, PERIOD):
         waited += PERIOD
         assert tuning.core == "b"
-    assert waited == pytest.approx(SETTLED, abs=4 * PERIOD)
+    assert waited == pytest.approx(1.0, abs=4 * PERIOD)  # [s]
     assert tuning.core == "d"
 
 

@@ -1,7 +1,6 @@
 """The load is weighed by the boom's pressures: over poses, in slow motion, with sensors as they are."""
 
 import dataclasses
-import math
 
 import numpy as np
 import pytest
@@ -9,19 +8,13 @@ from compiled_rows import states_of
 
 from forest_control.config import controller_settings
 from forest_control.limits.load_weighing import (
-    LOST,
-    SETTLED,
     UNKNOWN,
-    UNREAD,
-    Weighing,
     weighed,
     weighing_parameters,
 )
 from forest_control.operator.levers import levers_for_tip_velocity
-from forest_control.pipeline.control_state import REST, State, stopped
 from forest_control.valve import valve_driver_parameters
 from forest_description.derived.limits import pose_at
-from forest_description.geometry.linkage import lever_arm
 from forest_description.machine import load_machine
 from forest_description.types import ZERO
 from forest_msgs_py.types import PERIOD
@@ -83,71 +76,3 @@ def test_a_machine_that_stands_is_weighed_exactly_by_exact_sensors(name):
         q, pressures = seen.joints.position, (seen.pressures[5], seen.pressures[7])
         weighing = weighed(UNKNOWN, q, ZERO, pressures, weighing_parameters(machine), PERIOD)
         assert weighing.mass == pytest.approx(mass, abs=1.0)  # links that bend stand 3 mrad lower
-
-
-def settled(before, q, force, c, rates=ZERO):
-    """The weighing after two seconds under a force of the boom's cylinder [N]."""
-    for _ in range(round(4.0 * SETTLED / PERIOD)):
-        before = weighed(before, q, rates, (force / c.areas[0], 0.0), c, PERIOD)
-    return before
-
-
-def test_what_friction_may_hold_changes_no_mass_at_rest_and_what_is_more_does():
-    c, q = weighing_parameters(REAL)._replace(pressure_share=0.0), pose_at((6.0, 0.0, 1.0), REAL)
-    per_newton = lever_arm(q[1], c.linkage) / (c.gravity * (6.0 - c.links.base_offset))
-    rest = settled(UNKNOWN, q, 2e5, c)
-    for side in (-1.0, 1.0):
-        assert settled(rest, q, 2e5 + 0.99 * side * c.breakaway, c).mass == pytest.approx(rest.mass, abs=0.1)
-        more = settled(rest, q, 2e5 + 3.0 * side * c.breakaway, c)
-        expected = 2.0 * side * c.breakaway * per_newton
-        assert more.mass - rest.mass == pytest.approx(expected, rel=0.05)
-
-
-def test_a_cylinder_that_slides_has_its_friction_against_the_motion():
-    c, q = weighing_parameters(REAL)._replace(pressure_share=0.0, damping=0.0), pose_at((6.0, 0.0, 1.0), REAL)
-    arm = lever_arm(q[1], c.linkage)
-    rest = settled(UNKNOWN, q, 2e5, c)
-    for side in (-1.0, 1.0):
-        moving = settled(rest, q, 2e5 + side * c.friction, c, (0.0, side * 0.02 / arm, 0.0))
-        assert moving.mass == pytest.approx(rest.mass, abs=3.0)  # of 21 kg that the friction is
-
-
-def test_without_pressures_the_mass_is_kept_for_a_while_and_is_not_known_then():
-    c, q = weighing_parameters(REAL), pose_at((6.0, 0.0, 1.0), REAL)
-    weighing, known = settled(UNKNOWN, q, 3e5, c), 0
-    mass = weighing.mass
-    for _ in range(round(2.0 * LOST / PERIOD)):
-        weighing = weighed(weighing, q, ZERO, UNREAD, c, PERIOD)
-        assert weighing.mass == mass or math.isnan(weighing.mass)
-        known += not math.isnan(weighing.mass)
-    assert known * PERIOD == pytest.approx(LOST, abs=2.0 * PERIOD)
-
-
-def test_the_mass_that_limits_rises_at_once_falls_slowly_and_goes_soon_with_a_load_that_is_dropped():
-    c, q = weighing_parameters(REAL), pose_at((6.0, 0.0, 1.0), REAL)
-    weighing, counted = settled(UNKNOWN, q, 3e5, c), []
-    for k in range(round(4.0 / PERIOD)):
-        force = 3e5 + 3e4 * math.sin(2.0 * math.pi * k * PERIOD)
-        weighing = weighed(weighing, q, ZERO, (force / c.areas[0], 0.0), c, PERIOD)
-        counted.append(weighing.counted - weighing.mass)
-    assert min(counted) == 0.0
-    assert max(counted) > 15.0
-    heavy = weighing.counted
-    for k in range(round(2.5 / PERIOD)):
-        weighing = weighed(weighing, q, ZERO, (5e4 / c.areas[0], 0.0), c, PERIOD)
-        assert weighing.counted >= weighing.mass
-        if k == 20:
-            assert weighing.counted > 0.97 * heavy
-    assert weighing.counted < 0.9 * heavy
-
-
-def test_near_the_pivot_nothing_is_weighed_and_what_was_known_stays():
-    c = weighing_parameters(REAL)
-    weighing = settled(UNKNOWN, pose_at((6.0, 0.0, 1.0), REAL), 3e5, c)
-    upright = 0.0, 1.2, -3.0
-    assert settled(weighing, upright, 0.0, c).mass == weighing.mass
-
-
-def test_a_stop_forgets_all_motion_and_no_load():
-    known = Weighing(mass=430.0, torque=1e4, age=0.0)
-    assert stopped(State((0.1, 0.2, 0.3), True, weighing=known)) == REST._replace(weighing=known)

@@ -6,7 +6,15 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from forest_control.operator.joystick_interpolation import CENTRED, DELAY, LONGEST_LINE, interpolated
+from forest_control.operator.joystick_interpolation import (
+    CENTRED,
+    DELAY,
+    LONGEST_LINE,
+    InterpolatedLevers,
+    Knot,
+    between,
+    interpolated,
+)
 from forest_control.operator.levers import REST, Levers
 
 DT = 0.005
@@ -81,3 +89,42 @@ def test_levers_that_are_not_believed_any_more_count_at_once_in_what_comes():
     for k in range(100, 110):
         hold = interpolated(hold, REST, 0.49, DT * k, DT)
     assert hold.levers == REST
+
+
+KNOTS = tuple(Knot(0.02 * k, Levers(0.1 * k, 0.01 * k * k, 0.5 - 0.1 * k)) for k in range(6))
+NEWEST = Levers(0.7, -0.2, 0.3)
+
+
+def stepped(sent=0.1, now=0.14, at=0.095, levers=NEWEST, dt=DT):
+    """A step of a joystick of 50 Hz, whose last sample was sent at 0.1 s; t has been `at`."""
+    levers = levers if sent > 0.1 else KNOTS[5].levers
+    return interpolated(InterpolatedLevers(REST, KNOTS, 0.02, at), levers, sent, now, dt)
+
+
+def test_a_new_sample_takes_the_oldest_one_s_place_and_a_fifth_of_its_gap_the_period_s():
+    assert stepped(sent=0.13).knots == (*KNOTS[1:], Knot(0.13, NEWEST))
+    assert stepped(sent=0.13).period == pytest.approx(0.02 + 0.2 * (0.03 - 0.02))
+    assert stepped().period == 0.02
+
+
+def test_after_a_pause_the_last_sample_has_held_until_a_tenth_of_a_second_before_the_new_one():
+    found = stepped(sent=0.25, now=0.25)
+    assert [knot.time for knot in found.knots] == pytest.approx([0.15] * 5 + [0.25])
+    assert [knot.levers for knot in found.knots] == [KNOTS[5].levers] * 5 + [NEWEST]
+    assert found.period == pytest.approx(0.02 + 0.2 * (0.1 - 0.02))
+
+
+@pytest.mark.parametrize("off", [0.02, -0.02, 0.29, -0.29])
+def test_the_time_of_reading_follows_the_clock_within_a_fifth_of_a_second(off):
+    assert stepped(at=0.1 - DT - off).at == pytest.approx(0.1 - off + DT / 0.2 * off)
+
+
+@pytest.mark.parametrize("off", [0.31, -0.31])
+def test_a_time_of_reading_that_is_far_astray_is_set_anew(off):
+    assert stepped(at=0.1 - DT - off).at == pytest.approx(0.1)
+
+
+def test_before_the_oldest_sample_the_levers_stand_and_between_two_each_is_on_its_line():
+    assert stepped(now=0.0, at=-0.1).levers == KNOTS[0].levers
+    assert stepped(now=0.2, at=0.2).levers == KNOTS[5].levers
+    assert between(Levers(0.0, 1.0, 2.0), Levers(1.0, 3.0, 6.0), 0.25) == Levers(0.25, 1.5, 3.0)

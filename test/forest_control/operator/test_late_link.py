@@ -1,10 +1,12 @@
 """Claims about a late link: from a round trip of 0.2 s on the levers are slower, and nothing else slows."""
 
+import math
+
 import pytest
 
 from forest_control.config import controller_settings
 from forest_control.limits.velocity_scaling import Limit
-from forest_control.operator.late_link import IN_TIME, round_trip, speed_share, updated_link
+from forest_control.operator.late_link import IN_TIME, LateLink, round_trip, speed_share, updated_link
 from forest_control.operator.levers import Levers
 from forest_control.pipeline.control_state import REST, Inputs
 from forest_control.pipeline.controller import step
@@ -39,6 +41,7 @@ def test_one_late_sample_is_no_late_link_and_half_a_second_of_them_is():
     link = behind(0.02)
     assert speed_share(updated_link(link, BEGIN - 10**9, BEGIN, PERIOD)) == 1.0
     assert speed_share(behind(0.4, 0.5, link=link)) < 0.5
+    assert behind(0.4, 0.5).age == pytest.approx(0.4 * (1.0 - math.exp(-0.5 / 0.5)), rel=0.02)
     assert speed_share(behind(0.02, 3.0, link=behind(0.4))) == 1.0
 
 
@@ -47,9 +50,19 @@ def test_another_clock_tells_nothing(age):
     assert behind(age) == behind(0.0)._replace(stamp=behind(age).stamp)
 
 
+def test_a_link_of_nearly_two_seconds_is_late():
+    assert behind(1.9).age == pytest.approx(1.9, rel=1e-3)
+
+
+def test_the_first_sample_has_no_more_weight_than_any_other():
+    assert updated_link(IN_TIME, BEGIN - 10**9, BEGIN, PERIOD).age == pytest.approx(PERIOD / 0.5, rel=0.01)
+    assert round_trip(IN_TIME) == 0.0
+
+
 def test_without_a_stamp_nothing_is_known():
     assert speed_share(updated_link(IN_TIME, 0, BEGIN, 1.0)) == 1.0
     assert speed_share(updated_link(IN_TIME, BEGIN, 0, 1.0)) == 1.0
+    assert updated_link(LateLink(stamp=5), 0, 10**9, 1.0).age == 0.0  # simulated time has just begun
 
 
 @pytest.mark.parametrize("scheme", [Scheme.COORDINATED, Scheme.JACOBIAN_VELOCITY, Scheme.JOINT])

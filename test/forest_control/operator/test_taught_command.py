@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from forest_control.operator.taught_command import (
+    NO_COMMAND,
     SHARPEST,
     WITHIN,
     TaughtCommand,
@@ -93,3 +94,56 @@ def test_what_cannot_be_is_told(change, sentence):
 
 def test_a_command_is_the_same_behind_its_message():
     assert from_values(to_values(7.0, circle(0.4, 1.0))) == (7.0, circle(0.4, 1.0))
+
+
+# In no plane of the axes, the direction a unit vector: (2, 3, 6) / 7.
+SKEW = TaughtCommand((5.0, -1.0, 1.5), (2 / 7, 3 / 7, 6 / 7), (0.6, 1.2, -0.8), 0.3, 0.08)
+
+
+@pytest.mark.parametrize("ahead", [0.01, -0.02, 0.2, -0.2])
+def test_a_piece_asks_for_its_speed_along_the_bow_and_for_the_way_back_three_times_a_second(ahead):
+    p, t, k = np.array(SKEW.place), np.array(SKEW.tangent), np.array(SKEW.curvature)
+    off = np.cross(t, (0.01, -0.02, 0.03))
+    x = p + ahead * t + off
+    d = max(-0.05, min(ahead, 0.05))
+    back = p + d * t + 0.5 * d * d * k - x
+    speed = min(0.3, 10.0 * (0.08 - d))
+    wanted = speed * (t + d * k) / np.linalg.norm(t + d * k) + 3.0 * back
+    place = tuple(x.tolist())
+    assert taught_velocity(SKEW, place, 9.0) == pytest.approx(wanted.tolist())
+    assert distance_from_path(SKEW, place) == pytest.approx(np.linalg.norm(back))
+    size = float(np.linalg.norm(wanted))
+    assert taught_velocity(SKEW, place, 0.5 * size) == pytest.approx((0.5 * wanted).tolist())
+
+
+def test_a_stop_is_no_further_than_what_is_left():
+    near = SKEW._replace(left=0.01)
+    x = tuple((np.array(SKEW.place) + 0.03 * np.array(SKEW.tangent)).tolist())
+    found = np.array(taught_velocity(near, x, 9.0))
+    bow = 0.5 * 0.01**2 * np.array(SKEW.curvature)
+    assert found.tolist() == pytest.approx((3.0 * (bow - 0.02 * np.array(SKEW.tangent))).tolist())
+
+
+@pytest.mark.parametrize(
+    ("change", "fits"),
+    [
+        ({"tangent": (0.0, 1.0009, 0.0)}, True),
+        ({"tangent": (0.0, 1.0011, 0.0)}, False),
+        ({"tangent": (0.0, 0.9991, 0.0)}, True),
+        ({"tangent": (0.0, 0.9989, 0.0)}, False),
+        ({"curvature": (0.0, 0.0, -14.9)}, True),
+        ({"curvature": (0.0, 0.0, -15.1)}, False),
+        ({"left": 0.0}, True),
+        ({"left": -1e-9}, False),
+        ({"speed": 1e-9}, True),
+        ({"speed": -1e-9}, False),
+        ({"speed": math.nan}, False),
+    ],
+)
+def test_the_bounds_of_what_can_be(change, fits):
+    assert (implausible(STRAIGHT._replace(**change)) == "") == fits
+
+
+def test_nothing_to_follow_has_no_speed():
+    assert NO_COMMAND == ((0.0, 0.0, 0.0), (0.0, 0.0, 0.0), (0.0, 0.0, 0.0), 0.0, 0.0)
+    assert implausible(NO_COMMAND) == ""

@@ -7,16 +7,11 @@ import numpy as np
 import pytest
 
 from forest_control.config import controller_settings
-from forest_control.limits.load_weighing import UNREAD as NO_PRESSURES
 from forest_control.operator.levers import Levers, levers_for_tip_velocity
-from forest_control.safety import machine_file_check
-from forest_control.safety.machine_file_check import PROVEN, STRANGE, FileCheck, is_wrong, objection, watched
-from forest_control.safety.overloaded_joint import LONG, WAY, Overload, commanded_rates
-from forest_control.servo.joint_angle_filter import UNREAD
+from forest_control.safety.machine_file_check import PROVEN, is_wrong
 from forest_control.servo.schemes import Scheme
 from forest_control.valve import valve_driver_parameters
 from forest_description.derived.limits import pose_at
-from forest_description.geometry.linkage import cylinder_length
 from forest_description.machine import load_machine
 from forest_description.types import AXES, ZERO
 from forest_msgs_py.types import PERIOD
@@ -151,105 +146,6 @@ def test_a_machine_that_is_only_somewhat_off_is_not_taken_for_another(seed):
             levers = Levers(*rng.uniform(-1.0, 1.0, 3).tolist())
         loop.period(Operator(levers if k >= BEGUN else CENTRED))
         assert loop.controller.guard.causes["machine"] == "", k
-
-
-P = controller_settings.parameters(C180, controller_settings.Settings())
-ANGLES = (0.0, 0.5, -1.4)
-NO_OVERLOAD = Overload()
-FITTING = cylinder_length(ANGLES[1], P.linkages[0]), cylinder_length(ANGLES[2], P.linkages[1])
-
-
-def after(
-    check, seconds, rates=ZERO, command=ZERO, lengths=UNREAD, overload=NO_OVERLOAD, opens=1.0,
-    pressures=NO_PRESSURES,
-):  # fmt: skip
-    voltages = tuple(opens * (volts + math.copysign(1.1, volts)) if volts else 0.0 for volts in command)
-    for _ in range(round(seconds / PERIOD)):
-        u = commanded_rates(ANGLES, command, P)
-        check = watched(check, ANGLES, rates, lengths, u, voltages, overload, pressures, P, PERIOD)
-    return check
-
-
-def test_lengths_that_do_not_fit_are_borne_for_a_moment_and_once_they_have_fitted_for_ever():
-    strange = FITTING[0], 1.1 * FITTING[1]
-    assert not is_wrong(after(FileCheck(), STRANGE - 2.0 * PERIOD, lengths=strange))
-    wrong = after(FileCheck(), STRANGE + 2.0 * PERIOD, lengths=strange)
-    assert objection(wrong).startswith("machine file: the length of the stick's cylinder")
-    assert is_wrong(after(wrong, 1.0, lengths=FITTING))
-    once = after(FileCheck(), PERIOD, lengths=FITTING)
-    assert not is_wrong(after(once, 10.0, lengths=strange))
-    assert not is_wrong(after(FileCheck(), 10.0))
-
-
-def off(angle):
-    """Lengths that belong to a boom's angle [rad] elsewhere than it is."""
-    return cylinder_length(ANGLES[1] + angle, P.linkages[0]), FITTING[1]
-
-
-def test_lengths_that_are_off_by_less_than_a_broken_transducer_s_are_found_in_any_pose():
-    fitted, long = after(FileCheck(), PERIOD, lengths=FITTING), STRANGE + 2.0 * PERIOD
-    assert not is_wrong(after(fitted, 10.0, lengths=off(0.028)))
-    assert after(fitted, long, lengths=off(0.032)).wrong == machine_file_check.BOOM
-    assert not is_wrong(after(fitted, STRANGE - 2.0 * PERIOD, lengths=off(0.032)))
-    assert after(FileCheck(), long, lengths=off(-0.032)).wrong == machine_file_check.BOOM
-    assert not is_wrong(after(fitted, 10.0, lengths=off(0.102)))  # it is broken
-    hung = after(fitted, long, lengths=off(0.032))
-    assert not is_wrong(after(hung, PERIOD, lengths=FITTING))
-    assert is_wrong(after(after(FileCheck(), long, lengths=off(0.032)), 10.0, lengths=FITTING))
-    assert is_wrong(after(FileCheck(), long, lengths=(9.0, FITTING[1])))  # of no angle
-
-
-@pytest.mark.parametrize("joint", [0, 1, 2])
-@pytest.mark.parametrize("side", [-1.0, 1.0])
-def test_a_joint_that_has_proven_right_is_not_asked_again(joint, side):
-    def of(value):
-        return tuple(value if i == joint else 0.0 for i in range(3))
-
-    against = {"rates": of(-0.05 * side), "command": of(3.0 * side)}
-    long = (PROVEN + 0.001) / 0.05
-    assert not is_wrong(after(FileCheck(), long - 0.1, **against))
-    assert after(FileCheck(), long, **against).wrong == machine_file_check.POLARITY + joint
-    proven = after(FileCheck(), long, of(0.05 * side), of(3.0 * side))
-    assert not is_wrong(after(proven, 5.0, **against))
-    assert not is_wrong(after(FileCheck(), 5.0, of(-0.05 * side), of(1e-3 * side)))  # it only feeds leakage
-    held = {
-        "rates": of(-0.01 * side),
-        "command": of((0.04, 0.09, 0.11)[joint] * side),
-    }  # against what rocks it
-    assert not is_wrong(after(FileCheck(), 5.0, **held))
-    # Nobody has opened a valve: the hydraulics are off, or the controller only looks on.
-    assert not is_wrong(after(FileCheck(), 60.0, **against, opens=0.0))
-
-
-def test_a_joint_that_sinks_before_it_has_proven_right_is_the_file_s():
-    overload = Overload((0.0, 2.0 * WAY, 0.0), (0.0, 2.0 * LONG[1], 0.0))
-    up = (0.0, 3.0, 0.0)
-    assert after(FileCheck(), PERIOD, command=up, overload=overload).wrong == machine_file_check.POLARITY + 1
-    assert not is_wrong(after(FileCheck(), PERIOD, overload=overload))  # others have the valves
-    proven = FileCheck(ways=(PROVEN, PROVEN, PROVEN))
-    assert not is_wrong(after(proven, PERIOD, command=up, overload=overload))
-
-
-@pytest.mark.parametrize(("side", "fed"), [(1.0, 0), (-1.0, 1)])
-def test_a_boom_that_a_load_presses_back_is_not_the_file_s(side, fed):
-    supply = P.speed_limits.supply_pressure
-    for share, wrong in ((0.89, True), (0.91, False)):
-        pressures = tuple(share * supply if port == fed else supply for port in (0, 1))
-        pressures = (
-            pressures if share < 0.9 else tuple(pressures[port] if port == fed else 0.0 for port in (0, 1))
-        )
-        back = {"rates": (0.0, -0.05 * side, 0.0), "command": (0.0, 3.0 * side, 0.0), "pressures": pressures}
-        assert is_wrong(after(FileCheck(), 0.4, **back)) == wrong
-
-
-def test_what_a_load_has_pressed_a_boom_back_by_is_not_held_against_the_file_later():
-    supply = P.speed_limits.supply_pressure
-    pressed = after(FileCheck(), 1.0, (0.0, -0.05, 0.0), (0.0, 3.0, 0.0), pressures=(0.95 * supply, 0.0))
-    assert not is_wrong(pressed)
-    assert not is_wrong(after(pressed, 1.0, pressures=(0.5 * supply, 0.0)))  # it stands
-    lowered = after(pressed, 1.0, (0.0, -0.05, 0.0), (0.0, -3.0, 0.0), pressures=(0.5 * supply, 0.0))
-    assert not is_wrong(lowered)
-    assert lowered.ways[1] == PROVEN
 
 
 @pytest.mark.parametrize("mass", [2500.0, 4000.0])

@@ -8,7 +8,6 @@ import pytest
 from forest_control.config import controller_settings
 from forest_control.limits.velocity_scaling import Limit
 from forest_control.operator.levers import Levers, levers_for_tip_velocity
-from forest_control.safety.overloaded_joint import LONG, WAY, Overload, is_overloaded, objection, watched
 from forest_control.valve import valve_driver_parameters
 from forest_description.derived.limits import pose_at
 from forest_description.geometry.kinematics import tip_velocity
@@ -196,50 +195,3 @@ def test_whenever_the_valves_cable_comes_back_the_tip_is_not_thrown(name, seed, 
     if lost[0] > 1.0:
         assert "stands though its valve is open" in crane.cause
         assert crane.volts == ZERO
-
-
-P = controller_settings.parameters(C180, controller_settings.Settings())
-
-
-def gone(rates, volts, seconds, u=ZERO):
-    overload = Overload()
-    for _ in range(round(seconds / PERIOD)):
-        overload = watched(overload, u, rates, volts, P, PERIOD)
-    return overload
-
-
-@pytest.mark.parametrize(("joint", "name"), list(enumerate(("swing", "boom", "stick"))))
-@pytest.mark.parametrize("side", [-1.0, 1.0])
-def test_each_joint_in_either_direction_by_way_and_time(joint, name, side):
-    def of(value):
-        return tuple(value if i == joint else 0.0 for i in range(3))
-
-    long = LONG[joint] + P.speed_limits.axes[joint].spool.lag
-    quick, slow = 2.0 * WAY / long, 0.5 * WAY / long
-    sunk = gone(of(-side * quick), of(side * 8.0), long + 2.0 * PERIOD)
-    assert is_overloaded(sunk)
-    assert objection(sunk).startswith(f"overload: {name} went back by")
-    assert not is_overloaded(gone(of(-side * quick), of(side * 8.0), long - 2.0 * PERIOD))
-    assert not is_overloaded(gone(of(-side * slow), of(side * 8.0), 1.5 * long))
-    assert is_overloaded(gone(of(-side * slow), of(side * 8.0), 3.0 * long))
-    assert objection(gone(of(side * quick), of(side * 8.0), 1.0)) == ""
-    assert not is_overloaded(gone(of(-side * quick), of(side * 4.0), 1.0))  # under half of the opening
-    after = watched(sunk, ZERO, of(side * quick), of(side * 8.0), P, PERIOD)
-    assert (after.ways, after.times, after.owed) == (ZERO, ZERO, ZERO)
-
-
-@pytest.mark.parametrize(("joint", "name"), list(enumerate(("swing", "boom", "stick"))))
-@pytest.mark.parametrize("side", [-1.0, 1.0])
-def test_a_joint_that_stands_behind_an_open_valve_is_named(joint, name, side):
-    def of(value):
-        return tuple(value if i == joint else 0.0 for i in range(3))
-
-    wide, u = of(side * 4.0), of(side * 0.1)
-    assert not is_overloaded(gone(ZERO, wide, 0.295, u))
-    assert not is_overloaded(gone(ZERO, wide, 0.295, of(side * 0.5)))  # a full lever: it may still begin
-    assert is_overloaded(gone(ZERO, wide, 0.34, of(side * 0.5)))
-    assert objection(gone(ZERO, wide, 0.34, u)).startswith(f"overload: {name} stands though its valve")
-    assert is_overloaded(gone(of(side * 0.005), wide, 1.0, u))  # a twentieth of its rate
-    assert not is_overloaded(gone(of(side * 0.02), wide, 9.0, u))  # it is slow
-    assert not is_overloaded(gone(ZERO, of(side * 0.2), 9.0, u))  # its valve is within the overlap
-    assert not is_overloaded(gone(ZERO, of(-side * 4.0), 9.0, u))  # open the other way

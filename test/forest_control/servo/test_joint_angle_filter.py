@@ -13,6 +13,7 @@ from forest_control.pipeline.control_state import REST, Inputs
 from forest_control.servo.joint_angle_filter import (
     NONE,
     UNREAD,
+    AngleCorrection,
     Source,
     corrected_angles,
     latched_correction,
@@ -95,6 +96,35 @@ def test_noise_is_averaged_and_stays_the_resolvers():
 def test_a_transducer_that_cannot_be_right_teaches_nothing(lengths):
     known = settled(3)
     assert updated_correction(known, read()[0], lengths, LINKAGES, PERIOD) == known
+
+
+def taught(c, boom, stick):
+    """The correction after a sample of transducers that differ so much from the resolvers [rad]."""
+    s = (0.0, TRUE[1] - boom, TRUE[2] - stick)
+    return updated_correction(c, s, GOOD, LINKAGES, PERIOD)
+
+
+@pytest.mark.parametrize("side", [1.0, -1.0])
+def test_a_tenth_of_a_radian_is_the_farthest_that_either_may_be_off(side):
+    assert taught(NONE, side * 0.099, -side * 0.098)[:2] == pytest.approx((side * 0.099, -side * 0.098))
+    assert taught(NONE, side * 0.101, 0.0) == taught(NONE, 0.0, side * 0.101) == NONE
+
+
+def test_the_first_samples_are_averaged_and_later_ones_low_passed_by_5_s():
+    few = taught(AngleCorrection(0.01, -0.02, 3, True), 0.03, 0.04)
+    assert few == (pytest.approx(0.015), pytest.approx(-0.005), 4, True)
+    share = 1.0 - math.exp(-PERIOD / 5.0)
+    many = taught(AngleCorrection(0.01, -0.02, 5000), 0.03, 0.04)
+    assert many[:3] == (pytest.approx(0.01 + share * 0.02), pytest.approx(-0.02 + share * 0.06), 5001)
+
+
+def test_a_correction_is_used_that_was_learnt_and_is_wanted():
+    learnt = AngleCorrection(0.01, -0.02, 1)
+    assert latched_correction(learnt, Source.CYLINDERS) == (0.01, -0.02, 1, True)
+    assert not latched_correction(learnt, Source.JOINTS).used
+    assert not latched_correction(NONE, Source.CYLINDERS).used
+    assert corrected_angles((1.0, 2.0, 3.0), learnt) == (1.0, 2.0, 3.0)
+    assert corrected_angles((1.0, 2.0, 3.0), learnt._replace(used=True)) == pytest.approx((1.0, 2.01, 2.98))
 
 
 def test_without_transducers_the_resolvers_are_taken():

@@ -24,6 +24,13 @@ def test_a_joint_that_runs_ahead_is_commanded_a_fifth_more_than_its_reference_an
     assert one(0.3, 0.0, 0.5) == pytest.approx(0.03)
 
 
+@pytest.mark.parametrize("joint", [0, 1, 2])
+def test_each_joint_has_its_own_bound(joint):
+    u, a, bounds = (0.6, 0.7, 0.8), (0.1, 0.2, 0.3), (0.15, 0.27, 0.39)
+    v = tuple(1.0 if i == joint else a[i] for i in range(3))
+    assert without_overspeed(u, a, v) == pytest.approx([(u, bounds)[i == joint][i] for i in range(3)])
+
+
 def test_no_valve_is_turned_round_by_it():
     assert one(0.3, -0.5, 0.4) == pytest.approx(0.03)
     assert one(0.0, -0.5, 0.4) == 0.0

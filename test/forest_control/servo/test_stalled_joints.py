@@ -1,9 +1,19 @@
 """Joints that stand all at once, after they have gone, keep their references near."""
 
+import math
+
 import pytest
 
 from forest_control.servo.coordinated_servo import REST, all_stalled
-from forest_control.servo.stalled_joints import JointMotion, is_stalled, kept_near, updated_motion
+from forest_control.servo.schemes import ERROR_LAG
+from forest_control.servo.stalled_joints import (
+    JointMotion,
+    is_ahead,
+    is_slow,
+    is_stalled,
+    kept_near,
+    updated_motion,
+)
 
 DT = 0.005
 
@@ -45,3 +55,35 @@ def test_a_reference_ahead_of_its_joint_is_kept_near_and_one_behind_it_stays():
     r = kept_near((0.5, 0.5, 0.501), (0.1, -0.1, 0.1), (0.4, 0.6, 0.5))
     assert r == pytest.approx((0.402, 0.598, 0.501))
     assert kept_near((0.5, 0.5, 0.5), (0.1, -0.1, 0.0), (0.6, 0.4, 0.4)) == (0.5, 0.5, 0.5)
+
+
+@pytest.mark.parametrize("side", [-1.0, 1.0])
+def test_a_joint_has_gone_from_half_its_rate_on_and_stands_below_two_fifths(side):
+    a, long = side * 0.1, 9.0
+    assert updated_motion(RESTED, a, 0.51 * a, long).side == side
+    assert updated_motion(RESTED, a, 0.49 * a, long).side == 0.0
+    assert is_stalled(JointMotion(0.39 * a, side), a)
+    assert not is_stalled(JointMotion(0.41 * a, side), a)
+    assert is_slow(side * 0.0049)
+    assert not is_slow(side * 0.0051)
+    assert is_ahead(a, side * 0.0021)
+    assert not is_ahead(a, side * 0.0019)
+
+
+def test_a_reference_that_rests_forgets_that_its_joint_has_gone():
+    for v in (0.0, 0.1):
+        assert updated_motion(JointMotion(v, 1.0), 0.0, v, DT).side == 0.0
+    assert not is_stalled(JointMotion(0.0, 1.0), 0.0)
+
+
+def test_a_rate_is_low_passed_as_the_error_is():
+    passed = 1.0 - math.exp(-0.01 / ERROR_LAG)
+    assert updated_motion(JointMotion(0.02), 0.1, 0.05, 0.01).rate == pytest.approx(0.02 + 0.03 * passed)
+
+
+@pytest.mark.parametrize("joint", [0, 1, 2])
+def test_each_reference_is_kept_by_its_own_rate_and_angle(joint):
+    r, s = (0.5, 0.6, 0.7), (0.4, 0.49, 0.58)
+    a = tuple(0.1 if i == joint else -0.1 for i in range(3))
+    near = tuple(s[i] + 0.002 if i == joint else r[i] for i in range(3))
+    assert kept_near(r, a, s) == pytest.approx(near)

@@ -50,6 +50,11 @@ def test_no_command_shuts_the_valve_at_once_and_nothing_is_left_of_the_last(sign
 
 
 @both_ways
+def test_in_motion_the_valve_is_open_towards_the_command(sign):
+    assert moved(sign).way == opened(sign).way == sign
+
+
+@both_ways
 def test_a_command_that_cannot_be_noise_is_obeyed_at_once(sign):
     rest, _ = feed(SHUT, sign * 0.001, 1.0)
     for noise, bound in ((NOISE, NOISE), (0.0, ZONE)):

@@ -69,6 +69,8 @@ def test_the_rate_is_that_since_it_was_asked_for_last_over_half_a_second_at_leas
     assert status.values()["/joy rate [Hz]"] == 50.0
     clock.time = 103.0
     assert status.values()["/joy rate [Hz]"] == 100.0
+    clock.time, subscription.count = 103.6, 230
+    assert status.values()["/joy rate [Hz]"] == pytest.approx(50.0)
 
 
 def test_an_inbox_counts_what_was_taken_and_knows_how_old_the_newest_is(peer, clock):
@@ -111,6 +113,7 @@ def test_a_best_effort_joystick_is_heard(peer):
         (-0.06, "/joy: the clock of /{who} is 0.1 s ahead of this host's"),
         (-0.04, ""),
         (0.19, ""),
+        (0.3, "/joy: the clock of /{who} is 0.3 s behind this host's, or the link is late"),
         (2.0, "/joy: the clock of /{who} is 2.0 s behind this host's, or the link is late"),
     ],
 )
@@ -130,4 +133,14 @@ def test_one_message_in_time_shows_that_only_others_were_late(peer, clock):
     status = InputStatus(peer.node, clock, box, "a joystick")
     for way in (2.0, 0.01, 3.0):
         box.note({"source_timestamp": 10**18, "received_timestamp": 10**18 + round(way * 1e9)})
+    assert status.unheard() == ""
+
+
+def test_in_lockstep_neither_clocks_nor_offers_are_told(peer, clock, make_node):
+    clock.lockstep = True
+    box = polled_subscription(peer.node, topics.VALVE_COMMANDS)
+    status = InputStatus(peer.node, clock, box, "commands")
+    box.note({"source_timestamp": 10**18, "received_timestamp": 13 * 10**17})
+    make_node("pad").create_publisher(message_class(topics.VALVE_COMMANDS), "/valve_commands", LOSSY)
+    peer.until(lambda: peer.node.count_publishers("/valve_commands"))
     assert status.unheard() == ""

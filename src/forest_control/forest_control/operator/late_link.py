@@ -58,4 +58,4 @@ def round_trip(link: LateLink) -> float:
 
 def speed_share(link: LateLink) -> float:
     """Return the share of their speed that the levers have, 0..1."""
-    return min(1.0, UNFELT / max(UNFELT, round_trip(link)))
+    return UNFELT / max(UNFELT, round_trip(link))

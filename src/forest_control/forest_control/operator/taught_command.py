@@ -68,7 +68,7 @@ def taught_velocity(c: TaughtCommand, x: Vec3, most: float) -> Vec3:
         speed * along[1] + APPROACH_RATE * beside[1],
         speed * along[2] + APPROACH_RATE * beside[2],
     )
-    part = min(1.0, most / max(most, _size(velocity)))
+    part = most / max(most, _size(velocity))
     return part * velocity[0], part * velocity[1], part * velocity[2]
 
 
