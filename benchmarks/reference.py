@@ -14,6 +14,7 @@ import numpy as np
 
 import work as benchmark
 from forest_description.machine import load_machine
+from forest_sim.equations.appendix_b import to_array
 from forest_sim.equations.plant_parameters import plant_parameters
 from forest_sim.solver.equilibrium import equilibrium
 from work import Floats, Work
@@ -25,8 +26,7 @@ SOURCES = [HERE / name for name in ("peers/equations.py", "peers/segments.py", "
 
 def start_state() -> Floats:
     """Return the equilibrium [SI] in which the work starts: held by trapped oil, valves shut."""
-    plant = equilibrium(benchmark.START, plant_parameters(load_machine("c180_thesis"))).plant
-    return np.array([*plant.swing, *plant.boom, *plant.stick])
+    return to_array(equilibrium(benchmark.START, plant_parameters(load_machine("c180_thesis"))).plant)
 
 
 def cached(mode: str, seconds: float) -> Path:

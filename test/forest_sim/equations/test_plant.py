@@ -5,9 +5,9 @@ import math
 import appendix_b
 import numpy as np
 import pytest
-from coded_plant import from_array, thesis_state_derivative, to_array
 
 from forest_description.machine import load_machine
+from forest_sim.equations.appendix_b import from_array, thesis_state_derivative, to_array
 from forest_sim.equations.plant import transmissions
 from forest_sim.equations.plant_parameters import plant_parameters
 from forest_sim.equations.valve_ports import valve_ports
@@ -56,6 +56,21 @@ def test_the_default_machine_differs_from_the_thesis_only_where_it_says():
     assert 0.95 < ours[1] / thesis[1] < 1.0
     ratio_1, ratio_2 = 3.8 / 4, 4.9 / 4
     np.testing.assert_allclose(ours[14:18] / thesis[14:18], [ratio_1, ratio_2, ratio_1, ratio_2], rtol=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("x", "c_r", "p_s", "named"),
+    [
+        (np.zeros(17), np.ones(6), 1e7, "18"),
+        (np.full(18, math.nan), np.ones(6), 1e7, "18 finite"),
+        (np.zeros(18), np.ones(5), 1e7, "6 resistances"),
+        (np.zeros(18), -np.ones(6), 1e7, "at least 0"),
+        (np.zeros(18), np.ones(6), math.inf, "p_s"),
+    ],
+)
+def test_bad_input_is_named(x, c_r, p_s, named):
+    with pytest.raises(ValueError, match=named):
+        thesis_state_derivative(x, c_r, p_s, THESIS)
 
 
 def test_a_shut_crane_in_equilibrium_has_no_derivative():

@@ -5,12 +5,12 @@ import functools
 import numpy as np
 import pytest
 import sympy
-from coded_plant import thesis_state_derivative
 from sympy import Abs, Symbol, sign, sqrt
 
 from forest_description.geometry.linkage import lever_arm
 from forest_description.machine import load_machine
 from forest_description.types import AXES
+from forest_sim.equations.appendix_b import thesis_state_derivative
 from forest_sim.linear_graph.actuation_graphs import (
     cylinder,
     cylinder_with_joint,

@@ -4,10 +4,10 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from coded_plant import to_array
 
 from forest_description.geometry.linkage import lever_arm
 from forest_description.machine import load_machine
+from forest_sim.equations.appendix_b import to_array
 from forest_sim.equations.plant_parameters import plant_parameters
 from forest_sim.mechanics.manipulator import dynamics
 from forest_sim.solver.compiled_plant import compiled_advance

@@ -4,11 +4,11 @@ import math
 
 import numpy as np
 import pytest
-from coded_plant import from_array, thesis_state_derivative, to_array
 from scipy.integrate import solve_ivp
 
 from forest_description.geometry.kinematics import inverse_kinematics
 from forest_description.machine import load_machine
+from forest_sim.equations.appendix_b import from_array, thesis_state_derivative, to_array
 from forest_sim.equations.plant import state_derivative
 from forest_sim.equations.plant_parameters import plant_parameters
 from forest_sim.equations.valve_ports import valve_ports
