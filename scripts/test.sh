@@ -12,12 +12,13 @@ if [[ $# -gt 0 ]]; then
     suite "$@"
     exit
 fi
-parallel=(-p xdist --numprocesses auto --maxprocesses 8 --dist loadfile --no-loadscope-reorder)
-alone=test/forest_station/live # judged in tenths of a second, beside a browser
+parallel=(-p xdist --maxprocesses 8 --dist loadfile --no-loadscope-reorder --numprocesses)
+waiting=$((($(nproc) * 3 + 1) / 2)) # live tests wait more than they compute
+alone=test/forest_station/live      # judged in tenths of a second, beside a browser
 again=0
 # Nodes keep time with the computer's clock: beside tests that compute they are late.
-suite "${parallel[@]}" -m "not live"
-live "${parallel[@]}" --ignore="$alone"
+suite "${parallel[@]}" auto -m "not live"
+live "${parallel[@]}" "$waiting" --ignore="$alone"
 live "$alone"
 if ((again)); then
     # A crane from which a shared computer is taken for 0.1 s stops, as it should: once more, one by one.
