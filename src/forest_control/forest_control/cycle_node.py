@@ -79,13 +79,11 @@ class CycleNode(Node):
         return done, said
 
     def _on_tip(self, data: bytes, _sent: float) -> None:
-        now = self._node_clock.now()
+        now, tip = self._node_clock.now(), read_position(data)
         dt = now - self._last
-        if self._work.rests and dt < RESTING_PERIOD:
+        if tip is None or (self._work.rests and dt < RESTING_PERIOD):
             return
-        tip, stamp, self._last = read_position(data), self._node_clock.stamp(), now
-        if tip is None:
-            return
+        stamp, self._last = self._node_clock.stamp(), now
         output = self._work.advance(self._inputs.seen(tip, stamp), dt)
         if output.command is not None:
             self._command.publish(stamp, to_values(self._work.run, output.command))
