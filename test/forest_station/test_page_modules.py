@@ -232,6 +232,12 @@ def test_a_deadman_is_shown_as_held_while_both_sides_hold_it(js: Js) -> None:
     assert js("hands/why.js", states) == ["held", "held", "pressed", "held", "waiting", "held"]
 
 
+def test_a_hold_that_begins_is_not_called_one_that_does_not_count(js: Js) -> None:
+    texts = """(m) => [["ready", false], ["waiting", false], ["ready", true]].map(([state, doubted]) =>
+      m.deadmanState({ you_drive: true, deadman: { state } }, { held: true, doubted }).text)"""
+    assert js("hands/why.js", texts) == ["Deadman pressed", *["Deadman does not count"] * 2]
+
+
 def test_of_all_that_is_said_at_the_top_the_most_important_is_shown(js: Js) -> None:
     steps = """(m) => {
       const line = m.messageLineOf({});
@@ -351,6 +357,14 @@ def test_the_way_to_go_is_told_along_the_edge_with_what_is_beside_it_and_a_wrong
         f"{wrong} 0.3 m to go, {aside}",
         f"push the left stick away: 0.2 m to go, {aside}",
     ]
+
+
+def test_what_is_far_beside_the_edge_is_not_called_little(js: Js) -> None:
+    said = """(m, metres) => m.wayText(
+      { word: "back", key: "S", metres: 0.7, beside: { word: "right", metres }, wrong: false }, true)"""
+    told = "push the left stick back: 0.7 m to go, and"
+    assert js("exercise/words.js", said, 0.25) == f"{told} a little right: 0.3 m."
+    assert js("exercise/words.js", said, 1.1) == f"{told} right: 1.1 m."
 
 
 def test_the_exercises_figure_says_what_it_is(js: Js) -> None:

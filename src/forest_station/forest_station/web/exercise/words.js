@@ -1,12 +1,14 @@
 // The exercise in words: what to do next, and how well it went; pure.
 
 const BESIDE = 0.15; // [m] from which on the tip is to be brought back
+const LITTLE = 0.3; // [m] of that, up to which it is called little
 
 // What to do next, of `way` in square.js; `fingers`: of a person who has no keys.
 export function wayText({ word, key, metres, beside, wrong }, fingers) {
   const push = fingers ? `push the left stick ${word}` : `push the left stick ${word}, or press ${key}`;
   const begin = wrong ? "this is the wrong way: " : "";
-  const aside = beside.metres >= BESIDE ? `, and a little ${beside.word}: ${beside.metres.toFixed(1)} m` : "";
+  const little = beside.metres < LITTLE ? "a little " : "";
+  const aside = beside.metres >= BESIDE ? `, and ${little}${beside.word}: ${beside.metres.toFixed(1)} m` : "";
   return `${begin}${push}: ${metres.toFixed(1)} m to go${aside}.`;
 }
 

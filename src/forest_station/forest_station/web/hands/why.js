@@ -22,14 +22,15 @@ export function lostText(reason) {
 }
 
 // How the deadman is: {state, text}. It is held when the server says so and, where this page drives, its hands do as well.
-// "pressed": a hand is on it, and it does not count.
+// "pressed": a hand is on it, and it does not count, or the server is about to hear of it.
 //
 // here: {held, doubted} of this page's deadman.
 export function deadmanState(seat, here) {
   const judged = seat?.deadman.state ?? "waiting";
   const pressed = here.held || here.doubted;
   if (judged === "held" && (here.held || !seat.you_drive)) return { state: "held", text: "Deadman held" };
-  if (pressed && seat?.you_drive) return { state: "pressed", text: "Deadman does not count" };
+  const begins = judged === "ready" && !here.doubted;
+  if (pressed && seat?.you_drive) return { state: "pressed", text: begins ? "Deadman pressed" : "Deadman does not count" };
   return { state: judged === "held" ? "waiting" : judged, text: "Deadman released" };
 }
 
