@@ -1,5 +1,6 @@
 """A node for the tests of the frame: publishes joints at 200 Hz and has last words."""
 
+import gc
 import sys
 from typing import Annotated, NamedTuple
 
@@ -39,6 +40,8 @@ class Talker(Node):
         if not self.matched and self.voltages.get_subscription_count():
             self.matched = True
             print("matched", flush=True)
+        if self.fault == "done":
+            print("frozen:", gc.get_freeze_count(), "others:", len(gc.get_objects()), flush=True)
         if self.fault:
             raise FAULTS[self.fault]
 

@@ -4,7 +4,6 @@ Playing runs in a thread of its own; the executor serves rosbag2's services, or 
 toggle_paused, play_next) where its interfaces are not installed, and the parameters rate and seek.
 """
 
-import gc
 import sys
 import threading
 
@@ -61,7 +60,6 @@ class PlayerNode(Node):
         offer_parameters(self, values, DESCRIPTIONS, remote.highest, remote.refuse, remote.apply)
         self._done = self.create_guard_condition(self._finish)
         sys.setswitchinterval(SWITCH_S)
-        gc.freeze()
         self._thread = threading.Thread(target=self._play, name="player", daemon=True)
         self._thread.start()
 

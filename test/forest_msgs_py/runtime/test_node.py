@@ -1,6 +1,7 @@
 """The frame of every node: how it starts, how it ends, and with which exit code."""
 
 import os
+import re
 import signal
 from pathlib import Path
 
@@ -56,6 +57,13 @@ def test_a_node_that_is_aborted_tells_where_it_was(domain_id, start_process, wai
     wait_until(lambda: "up" in process.text())
     assert process.stop(signal.SIGABRT) == -signal.SIGABRT
     assert "in run_node" in process.text()
+
+
+def test_a_collection_leaves_alone_what_was_made_at_the_start(talker):
+    process = talker("-p", "fault:=done")
+    assert process.ended() == 0
+    frozen, others = map(int, re.search(r"frozen: (\d+) others: (\d+)", process.text()).groups())
+    assert others < frozen / 20
 
 
 def test_a_signal_that_comes_while_the_process_ends_does_not_change_its_exit_code(talker, wait_until):
