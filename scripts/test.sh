@@ -3,6 +3,7 @@
 set -euo pipefail
 # shellcheck source=scripts/setup.sh
 source "$(dirname "${BASH_SOURCE[0]}")/setup.sh" test
+waiting=$((($(nproc) * 3 + 1) / 2)) # live tests wait more than they compute; nproc heeds OMP_NUM_THREADS
 export ROS_AUTOMATIC_DISCOVERY_RANGE=LOCALHOST # tests talk to nobody outside this machine
 export OMP_NUM_THREADS=1                       # threads of BLAS only disturb the timing of the nodes
 cd "$root"
@@ -13,7 +14,6 @@ if [[ $# -gt 0 ]]; then
     exit
 fi
 parallel=(-p xdist --maxprocesses 8 --dist loadfile --no-loadscope-reorder --numprocesses)
-waiting=$((($(nproc) * 3 + 1) / 2)) # live tests wait more than they compute
 alone=test/forest_station/live      # judged in tenths of a second, beside a browser
 again=0
 # Nodes keep time with the computer's clock: beside tests that compute they are late.

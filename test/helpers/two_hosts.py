@@ -22,6 +22,7 @@ from forest_msgs_py.interfaces import topics
 
 HERE, THERE = "10.79.0.1", "10.79.0.2"
 STARTED_S = 60.0
+RECORDING = "]: recording to"  # the machine has told its first state
 LATE_LINK = 9  # `limit` of controller/status
 Start = Callable[[list[str], Mapping[str, str]], Any]  # a command in an environment; gives its `Told`
 
@@ -58,7 +59,7 @@ class Outcome(NamedTuple):
 
 
 class TwoHosts:
-    """The two halves of a graph, on hosts that are joined.
+    """The two halves of a graph, on hosts that are joined; the operator's begins when the machine tells its state.
 
     Args:
         start: starts a process.
@@ -84,7 +85,7 @@ class TwoHosts:
             ["controller", "valve_driver", "simulator", "recorder"],
         )
         there = [name for name in nodes if name not in here]
-        halves = []
+        self._halves = list[Any]()
         for host, peer, names, more in (
             (at[1], HERE, there, machine_environment or {}),
             (at[0], THERE, here, {}),
@@ -96,26 +97,28 @@ class TwoHosts:
             given.pop("FASTRTPS_DEFAULT_PROFILES_FILE", None)
             words = ["--machine", MACHINE, "--joystick", str(levers), "--record", str(self._bag)]
             module = [sys.executable, "-m", "forest_bringup.graph", *words, "--only", ",".join(names)]
-            halves.append(start(hosts.on(host, *module), given))
-        self.machine, self.operator = halves
+            self._halves.append(start(hosts.on(host, *module), given))
+            self._wait(lambda: RECORDING in self.text(), STARTED_S)
 
     def until(self, seconds: float) -> None:
         """Wait until a time since the joystick's first sample [s]."""
-        end = time.monotonic() + STARTED_S + seconds
-        while time.time() < self.played() + seconds:
+        self._wait(lambda: time.time() >= self.played() + seconds, STARTED_S + seconds)
+
+    def _wait(self, done: Callable[[], bool], longest_s: float) -> None:
+        end = time.monotonic() + longest_s
+        while not done():
             assert time.monotonic() < end, self.text()
-            assert self.machine.poll() is None, self.text()
-            assert self.operator.poll() is None, self.text()
+            assert all(half.poll() is None for half in self._halves), self.text()
             time.sleep(0.005)
 
     def played(self) -> float:
         """Return when the joystick began to play [s, time.time]; infinite: it has not."""
-        found = PLAYING.search(self.operator.text())
+        found = PLAYING.search(self.text())
         return float(found[1]) if found else float("inf")
 
     def text(self) -> str:
         """Return what both halves have printed."""
-        return self.operator.text() + self.machine.text()
+        return "".join(half.text() for half in reversed(self._halves))
 
     def cut(self, seconds: float) -> tuple[float, float, float]:
         """Cut the link for a time [s].
@@ -135,7 +138,7 @@ class TwoHosts:
     def end(self, clock_ahead: float = 0.0) -> Outcome:
         """Let the levers play to their end, stop both halves, and read the bag."""
         self.until(self._times.ends)
-        codes = [half.stop() for half in (self.operator, self.machine)]
+        codes = [half.stop() for half in reversed(self._halves)]
         # A clock that is shifted in libc alone stretches waits of a simulator that shall end.
         assert codes == [0, 0] or clock_ahead, self.text()
         return _outcome(read_bag(self._bag), self.played() + clock_ahead, self._times, self.text())
