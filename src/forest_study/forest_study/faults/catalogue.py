@@ -339,9 +339,11 @@ VALVES = {
 MACHINE = {
     "cylinders' pipes torn": Fault(
         "180 L/min at 10 MPa out of each port, before the load-holding valves",
-        "The crane falls, and no valve holds it. The valves shut, and the operator is told. In position mode"
-        " the pump may feed the leak through a wide open valve, and hold it: gap.",
+        "The crane falls, and no valve holds it. The valves shut, and the operator is told. A pump that feeds"
+        " the leak through a wide open valve holds the crane: a boom that only stands is told the later, the"
+        " slower it was asked to move; in position mode never: gap.",
         same(Bound(zero=1.0, told=OF_MACHINE, told_within=1.0, again=False), HELD)
+        | {State.MOTION: Bound(zero=1.2, told=OF_MACHINE, told_within=1.2, again=False)}
         | {State.POSITION: Bound(again=False), State.EXPERIMENT: Bound(again=False)},
         breaks=wires.torn_hoses,
         for_good=True,
