@@ -27,7 +27,7 @@ those are where this starts.
 """
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from types import MappingProxyType
 from typing import NamedTuple
 
@@ -51,9 +51,12 @@ DAMPING = 1e-6  # at the start: so small that correlated parameters may move tog
 TRIES = 8  # of one step, each with more damping
 CONVERGED = 0.1  # of the standard errors, that the last step moved what other records feel, too
 STALE = 0.03  # of a positive parameter, from where derivatives were taken, to take them again
+SHARE = 0.25  # of a standard error, the same: what hardly acts may move far
 SLOW = 0.3  # of the last step; after a longer step derivatives are taken again, too
 LITTLE = 0.03  # by which a step lowers the cost at least, if the search is to go on: 1 is a standard error
 REFUSED = 0.05  # share of the cost, or of the rows, that derivatives promise where a search got stuck
+DRAWS = 2  # of the inputs' noise, after which there are more only if these count
+COUNTS = 0.1  # of a standard error: the least that counts
 USELESS = 0.01  # share of the cost, the same, where the model does not explain the record
 
 Model = Callable[[Mapping[str, float]], Columns]
@@ -105,18 +108,41 @@ def damped_step(
     return np.clip(-np.linalg.solve(damped, slope), -reach, reach)
 
 
+class _Changes(NamedTuple):
+    """How predictions change around a point, by the rough model."""
+
+    taken: Floats  # theta of the point
+    jacobian: list[dict[str, Floats]]
+    stated: list[Columns]  # by a standard deviation of each stated number; empty ones are not felt
+    inputs: list[Columns]  # by the noise of the model's inputs, drawn once more
+
+
+class _Place(NamedTuple):
+    """Where a step has led."""
+
+    theta: Floats
+    predicted: dict[str, Floats]
+    damping: float  # of the next step
+    moved: float  # greatest move of what is passed on, in standard errors, stated numbers counted
+    fall: float  # of the cost
+    errors: Floats  # standard errors of theta
+
+
 class _End(NamedTuple):
     """Where a search has ended."""
 
     theta: Floats
     predicted: dict[str, Floats]
-    jacobian: list[dict[str, Floats]]
+    changes: _Changes
     iterations: int
     converged: bool
 
 
 class _Search:
-    """Gauss-Newton on a problem. Derivatives, a simulation each, are kept as long as steps grow shorter."""
+    """Gauss-Newton on a problem: by the rough model while steps are long, by the exact one at the end.
+
+    Derivatives, a simulation each, are kept as long as steps grow shorter.
+    """
 
     def __init__(
         self,
@@ -128,56 +154,101 @@ class _Search:
         progress: Callable[[], None],
     ) -> None:
         self._model, self._rough, self._problem, self._progress = model, rough, problem, progress
-        self._unknowns, self._channels = unknowns, channels
+        self._unknowns, self._channels, self._every = unknowns, channels, range(len(unknowns))
 
     def fit(
         self, prior: GaussianEstimate, redrawn: Sequence[Model], stated: Sequence[Mapping[str, float]]
     ) -> Fit:
         """Return the end of the search; arguments as `fit`."""
-        return self._told(self._searched(), prior, redrawn, stated)
+        before = prior.moves(self._problem.names, len(stated))
+        return self._told(self._searched(redrawn, stated, before), prior, before)
 
-    def _searched(self) -> _End:
+    def _searched(
+        self, redrawn: Sequence[Model], stated: Sequence[Mapping[str, float]], before: Floats
+    ) -> _End:
         """Return where the cost falls no further."""
-        problem, theta, damping, last = self._problem, self._problem.mean.copy(), DAMPING, math.inf
-        predicted = self._simulate(self._model, theta)
-        problem.update_noise(theta, predicted)
-        jacobian, taken, fresh, iterations = self._derivatives(theta, predicted), theta, True, 0
-        converged = False
+        at, base, iterations = self._approached()
+        changes = self._changes(at, base, redrawn, stated)
+        moves = self._stated_effect(at.theta, at.predicted, changes, before)[0]
+        least = np.sqrt(np.sum(moves**2, axis=1))
+        last, fresh, converged = math.inf, True, False
         while not converged and iterations < ITERATIONS:
             iterations += 1
-            theta, predicted, damping, moved, fall = self._step(theta, predicted, jacobian, damping)
-            problem.update_noise(theta, predicted)
-            stale = self._distance(theta, taken) > STALE
-            ended = CONVERGED > moved > 0.0 or (fresh and fall < LITTLE)
-            converged = (ended and not stale) or (moved > 0.0 and fall < self._useless(theta, predicted))
-            fresh = stale or moved > SLOW * last or moved == 0.0
-            last = math.inf if fresh else moved
+            at = self._step(self._model, at, changes.jacobian, least)
+            stale = self._is_stale(at, changes.taken)
+            ended = CONVERGED > at.moved > 0.0 or ((at.moved > 0.0 or fresh) and at.fall < LITTLE)
+            converged = (ended and not stale) or (at.moved > 0.0 and at.fall < self._useless(at))
+            fresh = stale or at.moved > SLOW * last or at.moved == 0.0
+            last = math.inf if fresh else at.moved
             if fresh and not converged:
-                jacobian, taken = self._derivatives(theta, predicted), theta
-        return _End(theta, predicted, jacobian, iterations, converged)
+                jacobian = self._derivatives(at.theta, self._base(at), self._every)
+                changes = changes._replace(jacobian=jacobian, taken=at.theta)
+        return _End(at.theta, at.predicted, changes, iterations, converged)
 
-    def _told(
+    def _approached(self) -> tuple[_Place, dict[str, Floats], int]:
+        """Return where steps of the rough model in what begins far off lead.
+
+        With it: what the rough model predicts there, and the number of steps.
+        """
+        begun = [place for place in self._every if self._unknowns[place].begun]
+        at, steps = self._place(self._rough, self._problem.mean), 0
+        while begun and steps < ITERATIONS:
+            taken, jacobian = at.theta, self._derivatives(at.theta, at.predicted, begun)
+            at, steps = self._step(self._rough, at, jacobian, 0.0), steps + 1
+            if not self._is_stale(at, taken) or at.fall < USELESS * self._problem.cost(
+                at.theta, at.predicted
+            ):
+                break
+        if self._rough is self._model:
+            return at, at.predicted, steps
+        return self._place(self._model, at.theta), at.predicted, steps
+
+    def _place(self, model: Model, theta: Floats) -> _Place:
+        """Return a place where a search begins."""
+        predicted = self._simulate(model, theta)
+        self._problem.update_noise(theta, predicted)
+        return _Place(theta, predicted, DAMPING, 0.0, 0.0, np.zeros(len(theta)))
+
+    def _changes(
         self,
-        end: _End,
-        prior: GaussianEstimate,
+        at: _Place,
+        base: dict[str, Floats],
         redrawn: Sequence[Model],
         stated: Sequence[Mapping[str, float]],
-    ) -> Fit:
+    ) -> _Changes:
+        """Return the changes of predictions around a place."""
+
+        def change(model: Model, number: Mapping[str, float]) -> Columns:
+            moved = self._simulate(model, at.theta, number)
+            return {name: moved[name] - column for name, column in base.items()}
+
+        jacobian, none = self._derivatives(at.theta, base, self._every), MappingProxyType({})
+        inputs = [change(model, none) for model in redrawn[:DRAWS]]
+        if inputs and self._count(at, jacobian, inputs):
+            inputs += [change(model, none) for model in redrawn[DRAWS:]]
+        return _Changes(at.theta, jacobian, [change(self._rough, n) if n else {} for n in stated], inputs)
+
+    def _count(self, at: _Place, jacobian: Jacobian, inputs: Sequence[Columns]) -> bool:
+        """Tell whether draws of the inputs' noise move what is passed on so far that more are worth it."""
+        after = [_after(at.predicted, one) for one in inputs]
+        moves, errors = self._problem.moves_of_inputs(at.theta, at.predicted, jacobian, after)
+        return bool(np.any((np.abs(moves) > COUNTS * errors)[:, self._problem.lasting]))
+
+    def _stated_effect(
+        self, theta: Floats, predicted: dict[str, Floats], changes: _Changes, before: Floats
+    ) -> tuple[Floats, dict[str, float]]:
+        """Return how stated numbers move theta, and what they may leave in each channel."""
+        moved = [_after(predicted, change) for change in changes.stated]
+        return self._problem.stated_effect(theta, predicted, changes.jacobian, moved, before)
+
+    def _told(self, end: _End, prior: GaussianEstimate, before: Floats) -> Fit:
         """Return values and uncertainties at the end of the search."""
-        problem, theta, predicted, jacobian = self._problem, end.theta, end.predicted, end.jacobian
-        base = self._base(theta, predicted)
-
-        def after(model: Model, number: Mapping[str, float]) -> Columns:
-            moved = self._simulate(model, theta, number)
-            return {name: column + (moved[name] - base[name]) for name, column in predicted.items()}
-
-        inputs = [after(model, MappingProxyType({})) for model in redrawn]
+        problem, theta, predicted, jacobian = self._problem, end.theta, end.predicted, end.changes.jacobian
+        inputs = [_after(predicted, change) for change in end.changes.inputs]
         untaken = self._untaken(theta, predicted, jacobian)
         covariance = problem.covariance(theta, predicted, jacobian, inputs) + np.outer(untaken, untaken)
         values = problem.values(theta)
-        others = [after(self._rough, number) if number else predicted for number in stated]
-        before = prior.moves(problem.names, len(stated))
-        slopes, stated_noise = problem.stated_effect(theta, predicted, jacobian, others, before)
+        slopes, stated_noise = self._stated_effect(theta, predicted, end.changes, before)
         sds = np.sqrt(np.maximum(np.diag(covariance), 0.0))[: problem.count].tolist()
         pairs = zip(self._unknowns, sds, strict=True)
         information = problem.normal(theta, predicted, jacobian)[0] + problem.known
@@ -201,10 +272,10 @@ class _Search:
         known = self._problem.known
         return -covariance_of(information + known) @ (gradient + known @ (theta - self._problem.mean))
 
-    def _distance(self, theta: Floats, taken: Floats) -> float:
-        """Return how far positive parameters are from where derivatives were taken; others act linearly."""
-        moves = np.abs(theta - taken)[: len(self._unknowns)].tolist()
-        return max((m for m, u in zip(moves, self._unknowns, strict=True) if u.positive), default=0.0)
+    def _is_stale(self, at: _Place, taken: Floats) -> bool:
+        """Tell whether a positive parameter is far from where derivatives were taken; others act linearly."""
+        moves = np.abs(at.theta - taken) > np.maximum(STALE, SHARE * at.errors)
+        return any(move and u.positive for move, u in zip(moves.tolist(), self._unknowns, strict=False))
 
     def _simulate(
         self, model: Model, theta: Floats, stated: Mapping[str, float] = MappingProxyType({})
@@ -213,19 +284,24 @@ class _Search:
         self._progress()
         return {c.name: np.asarray(columns[c.name], dtype=np.float64) for c in self._channels}
 
-    def _base(self, theta: Floats, predicted: dict[str, Floats]) -> dict[str, Floats]:
+    def _base(self, at: _Place) -> dict[str, Floats]:
         """Return what the rough model predicts: changes are counted from there."""
-        return predicted if self._rough is self._model else self._simulate(self._rough, theta)
+        return at.predicted if self._rough is self._model else self._simulate(self._rough, at.theta)
 
-    def _useless(self, theta: Floats, predicted: dict[str, Floats]) -> float:
+    def _useless(self, at: _Place) -> float:
         """Return how little of the cost is not worth a step more, where the record is not explained."""
         far = any(self._problem.sigma[c.name] > FAR * c.noise for c in self._channels)
-        return USELESS * self._problem.cost(theta, predicted) if far else 0.0
+        return USELESS * self._problem.cost(at.theta, at.predicted) if far else 0.0
 
-    def _derivatives(self, theta: Floats, predicted: dict[str, Floats]) -> list[dict[str, Floats]]:
-        found, base = [], self._base(theta, predicted)
+    def _derivatives(
+        self, theta: Floats, base: dict[str, Floats], places: Collection[int]
+    ) -> list[dict[str, Floats]]:
+        """Return derivatives of the rough model, which predicts `base`; 0 by what is not at these places."""
+        found = []
         for place, unknown in enumerate(self._unknowns):
-            after, difference = self._moved(theta, place, unknown.difference)
+            after, difference = base, 1.0
+            if place in places:
+                after, difference = self._moved(theta, place, unknown.difference)
             found.append({name: (after[name] - column) / difference for name, column in base.items()})
         return found
 
@@ -239,29 +315,38 @@ class _Search:
             moved[place] -= 2.0 * difference
             return self._simulate(self._rough, moved), -difference
 
-    def _step(
-        self,
-        theta: Floats,
-        predicted: dict[str, Floats],
-        jacobian: Jacobian,
-        damping: float,
-    ) -> tuple[Floats, dict[str, Floats], float, float, float]:
-        """Return theta after a step that lowers the cost, what it predicts, damping, its move and fall."""
-        problem = self._problem
-        information, gradient = problem.normal(theta, predicted, jacobian)
+    def _step(self, model: Model, at: _Place, jacobian: Jacobian, least: Floats | float) -> _Place:
+        """Return where a step leads that lowers the cost, or the same place.
+
+        Args:
+            model: that predicts.
+            at: from where.
+            jacobian: derivatives.
+            least: standard deviations of theta that stated numbers add.
+        """
+        problem, theta, damping = self._problem, at.theta, at.damping
+        information, gradient = problem.normal(theta, at.predicted, jacobian)
         hessian = information + problem.known
         slope = gradient + problem.known @ (theta - problem.mean)
-        before = problem.cost(theta, predicted)
+        errors = np.hypot(np.sqrt(np.maximum(np.diag(inverse(hessian)), 1e-300)), least)
+        before = problem.cost(theta, at.predicted)
         for _ in range(TRIES):
             move = damped_step(hessian, slope, damping, 1e-30, problem.reach)
+            moved = float(np.max((np.abs(move) / errors)[problem.lasting], initial=1e-300))
             try:
-                after = self._simulate(self._model, theta + move)
+                after = self._simulate(model, theta + move)
                 fall = before - problem.cost(theta + move, after)
             except (MachineError, ValueError):
                 fall = -math.inf
             if fall >= 0.0:
-                errors = np.sqrt(np.maximum(np.diag(inverse(hessian)), 1e-300))
-                moved = float(np.max((np.abs(move) / errors)[problem.lasting], initial=1e-300))
-                return theta + move, after, damping / 10.0, moved, fall
+                problem.update_noise(theta + move, after)
+                return _Place(theta + move, after, damping / 10.0, moved, fall, errors)
+            if moved < CONVERGED:  # chance refuses what is not worth another try
+                return at._replace(moved=moved, fall=0.0, errors=errors)
             damping = 10.0 * max(damping, 1e-3)
-        return theta, predicted, damping, 0.0, 0.0
+        return at._replace(damping=damping, moved=0.0, fall=0.0, errors=errors)
+
+
+def _after(predicted: Columns, change: Columns) -> Columns:
+    """Return predictions after a change; without one as they are."""
+    return {name: column + change[name] if change else column for name, column in predicted.items()}
