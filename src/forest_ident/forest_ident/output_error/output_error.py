@@ -222,10 +222,10 @@ class _Search:
             moved = self._simulate(model, at.theta, number)
             return {name: moved[name] - column for name, column in base.items()}
 
-        jacobian, none = self._derivatives(at.theta, base, self._every), MappingProxyType({})
-        inputs = [change(model, none) for model in redrawn[:DRAWS]]
+        jacobian = self._derivatives(at.theta, base, self._every)
+        inputs = [change(model, {}) for model in redrawn[:DRAWS]]
         if inputs and self._count(at, jacobian, inputs):
-            inputs += [change(model, none) for model in redrawn[DRAWS:]]
+            inputs += [change(model, {}) for model in redrawn[DRAWS:]]
         return _Changes(at.theta, jacobian, [change(self._rough, n) if n else {} for n in stated], inputs)
 
     def _count(self, at: _Place, jacobian: Jacobian, inputs: Sequence[Columns]) -> bool:
