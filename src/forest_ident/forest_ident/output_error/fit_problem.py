@@ -42,6 +42,7 @@ class Unknown(NamedTuple):
     answers any difference with the chance of which step its friction lets go in: with 1e-3 that may be more
     than what is looked for."""
     own: bool = False  # of one record alone: it passes nothing of it on
+    rounded: float = 0.0  # standard deviation by which the model rounds it
     begun: bool = False  # its start may be far off: the search begins with such alone
 
 
@@ -111,6 +112,7 @@ class Problem:
         self.names, self.count = tuple(u.key for u in everything), len(unknowns)
         self.lasting = np.array([not u.own for u in everything])  # what is passed on
         self.mean, self.known = prior_information(prior, self.names, start, spread)
+        self.rounded = np.array([u.rounded for u in everything])
         # Derivatives do not hold for a logarithm that moves by more than a half.
         self.reach = np.array([0.5 if u.positive else math.inf for u in everything])
         self.sigma = {c.name: c.noise for c in channels}

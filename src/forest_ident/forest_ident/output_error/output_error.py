@@ -56,7 +56,7 @@ SLOW = 0.3  # of the last step; after a longer step derivatives are taken again,
 LITTLE = 0.03  # by which a step lowers the cost at least, if the search is to go on: 1 is a standard error
 REFUSED = 0.05  # share of the cost, or of the rows, that derivatives promise where a search got stuck
 DRAWS = 2  # of the inputs' noise, after which there are more only if these count
-COUNTS = 0.1  # of a standard error: the least that counts
+COUNTS = 0.2  # of a standard error: the least that counts
 USELESS = 0.01  # share of the cost, the same, where the model does not explain the record
 
 Model = Callable[[Mapping[str, float]], Columns]
@@ -170,7 +170,7 @@ class _Search:
         at, base, iterations = self._approached()
         changes = self._changes(at, base, redrawn, stated)
         moves = self._stated_effect(at.theta, at.predicted, changes, before)[0]
-        least = np.sqrt(np.sum(moves**2, axis=1))
+        least = np.hypot(np.sqrt(np.sum(moves**2, axis=1)), self._problem.rounded)
         last, fresh, converged = math.inf, True, False
         while not converged and iterations < ITERATIONS:
             iterations += 1
@@ -181,7 +181,7 @@ class _Search:
             fresh = stale or at.moved > SLOW * last or at.moved == 0.0
             last = math.inf if fresh else at.moved
             if fresh and not converged:
-                jacobian = self._derivatives(at.theta, self._base(at), self._every)
+                jacobian = self._derivatives(at, self._base(at), self._every)
                 changes = changes._replace(jacobian=jacobian, taken=at.theta)
         return _End(at.theta, at.predicted, changes, iterations, converged)
 
@@ -192,13 +192,13 @@ class _Search:
         """
         begun = [place for place in self._every if self._unknowns[place].begun]
         at, steps = self._place(self._rough, self._problem.mean), 0
+        taken, jacobian = at.theta, self._derivatives(at, at.predicted, begun)
         while begun and steps < ITERATIONS:
-            taken, jacobian = at.theta, self._derivatives(at.theta, at.predicted, begun)
             at, steps = self._step(self._rough, at, jacobian, 0.0), steps + 1
-            if not self._is_stale(at, taken) or at.fall < USELESS * self._problem.cost(
-                at.theta, at.predicted
-            ):
+            if at.fall < USELESS * self._problem.cost(at.theta, at.predicted):
                 break
+            if self._is_stale(at, taken):
+                taken, jacobian = at.theta, self._derivatives(at, at.predicted, begun)
         if self._rough is self._model:
             return at, at.predicted, steps
         return self._place(self._model, at.theta), at.predicted, steps
@@ -222,7 +222,7 @@ class _Search:
             moved = self._simulate(model, at.theta, number)
             return {name: moved[name] - column for name, column in base.items()}
 
-        jacobian = self._derivatives(at.theta, base, self._every)
+        jacobian = self._derivatives(at, base, self._every)
         inputs = [change(model, {}) for model in redrawn[:DRAWS]]
         if inputs and self._count(at, jacobian, inputs):
             inputs += [change(model, {}) for model in redrawn[DRAWS:]]
@@ -294,26 +294,33 @@ class _Search:
         return USELESS * self._problem.cost(at.theta, at.predicted) if far else 0.0
 
     def _derivatives(
-        self, theta: Floats, base: dict[str, Floats], places: Collection[int]
+        self, at: _Place, base: dict[str, Floats], places: Collection[int]
     ) -> list[dict[str, Floats]]:
-        """Return derivatives of the rough model, which predicts `base`; 0 by what is not at these places."""
+        """Return derivatives at a place, 0 by what is not asked for.
+
+        Args:
+            at: the place, as the exact model has it if a parameter that the model rounds is asked for.
+            base: predictions of the rough model there.
+            places: of the parameters.
+        """
         found = []
         for place, unknown in enumerate(self._unknowns):
-            after, difference = base, 1.0
+            model, before = (self._model, at.predicted) if unknown.rounded else (self._rough, base)
+            after, difference = before, 1.0
             if place in places:
-                after, difference = self._moved(theta, place, unknown.difference)
-            found.append({name: (after[name] - column) / difference for name, column in base.items()})
+                after, difference = self._moved(model, at.theta, place)
+            found.append({name: (after[name] - column) / difference for name, column in before.items()})
         return found
 
-    def _moved(self, theta: Floats, place: int, difference: float) -> tuple[dict[str, Floats], float]:
+    def _moved(self, model: Model, theta: Floats, place: int) -> tuple[dict[str, Floats], float]:
         """Return what a moved parameter predicts, and its move: downwards where no machine is above."""
-        moved = theta.copy()
+        moved, difference = theta.copy(), self._unknowns[place].difference
         moved[place] += difference
         try:
-            return self._simulate(self._rough, moved), difference
+            return self._simulate(model, moved), difference
         except MachineError:
             moved[place] -= 2.0 * difference
-            return self._simulate(self._rough, moved), -difference
+            return self._simulate(model, moved), -difference
 
     def _step(self, model: Model, at: _Place, jacobian: Jacobian, least: Floats | float) -> _Place:
         """Return where a step leads that lowers the cost, or the same place.
@@ -322,7 +329,7 @@ class _Search:
             model: that predicts.
             at: from where.
             jacobian: derivatives.
-            least: standard deviations of theta that stated numbers add.
+            least: standard deviations of theta that stated numbers and rounding add.
         """
         problem, theta, damping = self._problem, at.theta, at.damping
         information, gradient = problem.normal(theta, at.predicted, jacobian)

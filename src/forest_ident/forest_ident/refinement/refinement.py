@@ -72,8 +72,6 @@ def refine(
     moved = [
         {key: stated_value(machine, key) + error} if key in felt else {} for key, error in errors.items()
     ]
-    # The simulator rounds these to its steps: rough ones show another change.
-    stepped = any(unknown.key.endswith(tuple(extension_keys.COARSE)) for unknown in unknowns)
     again = () if session.on_rig else [driven_by(one, ROUGH) for one in redrawn(machine, corrected)]
     done = fit(
         driven_by(corrected),
@@ -84,7 +82,7 @@ def refine(
         prior=widened(known, noise),
         redrawn=again,
         stated=moved,
-        rough=None if stepped else driven_by(corrected, ROUGH),
+        rough=driven_by(corrected, ROUGH),
     )
     rounded = extension_keys.rounding(done.values)
     return work, done._replace(posterior=widened(done.posterior, rounded))
@@ -136,7 +134,8 @@ def _unknowns(machine: Machine, session: Session, work: Task, known: GaussianEst
             begun=linear and (session.on_crane or key in work.free) and not _is_known(known, key),
         )
         coarse = extension_keys.COARSE.get(key.rpartition(".")[2], unknown.difference)
-        found.append(unknown._replace(difference=coarse))
+        rounded = extension_keys.rounding({key: unknown.start}).get(key, 0.0)
+        found.append(unknown._replace(difference=coarse, rounded=rounded))
     if "rig.load" in work.nuisances:
         found.append(Unknown(f"rig.load.{session.name}", _load(session), math.inf, begun=True))
     for name in () if session.is_exact else work.nuisances:
