@@ -69,6 +69,6 @@ def test_more_of_the_inputs_noise_is_drawn_only_where_it_counts(noise, drawn):
         counts.append(1)
         return {"y": Counted()(values)["y"] * luck.normal(1.0, noise)}
 
-    unknowns = [Unknown("size", 1.9), Unknown("rate", 3.1)]
+    unknowns = [Unknown("size", 1.99), Unknown("rate", 3.02)]
     fit(Counted(), {"y": read()}, [Channel("y", 1e-3)], unknowns, redrawn=[again] * 8)
     assert len(counts) == drawn

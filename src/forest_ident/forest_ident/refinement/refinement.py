@@ -23,8 +23,9 @@ from forest_ident.measurements.session import Session, SessionError
 from forest_ident.output_error import noise_model
 from forest_ident.output_error.fit_problem import Channel, Columns, Fit, Unknown
 from forest_ident.output_error.gaussian_estimate import GaussianEstimate, widened
-from forest_ident.output_error.output_error import Model, fit
+from forest_ident.output_error.output_error import fit
 from forest_ident.output_error.prediction import ROUGH, STEP, Offsets, predict, redrawn
+from forest_ident.output_error.search import Model
 from forest_ident.refinement import extension_keys
 from forest_ident.refinement.refinement_task import INERTIAS, START, Task, is_parameter, stated_keys, task
 
