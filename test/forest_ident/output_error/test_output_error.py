@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from forest_description.config.parameter import MachineError
-from forest_ident.output_error import output_error
+from forest_ident.output_error import search
 from forest_ident.output_error.fit_problem import Channel, Unknown
 from forest_ident.output_error.gaussian_estimate import condition_number, inflation
 from forest_ident.output_error.output_error import fit
@@ -73,7 +73,7 @@ def test_derivatives_are_kept_where_the_model_is_nearly_straight():
 
 
 def test_a_search_that_ends_by_its_last_step_says_so(monkeypatch):
-    monkeypatch.setattr(output_error, "ITERATIONS", 1)
+    monkeypatch.setattr(search, "ITERATIONS", 1)
     assert not fitted(0.0, 0, Channel("y", 1e-9)).converged
     monkeypatch.undo()
     assert fitted(0.0, 0, Channel("y", 1e-9)).converged

@@ -22,7 +22,7 @@ import numpy as np
 from forest_description.types import Bools, Floats
 from forest_ident.actuator import kernel
 from forest_ident.actuator.priors import PRIORS, actuator, centre
-from forest_ident.output_error.output_error import damped_step
+from forest_ident.output_error.search import damped_step
 from forest_ident.validation.prediction_error import rms
 
 PRESSURE_SIZE, PRESSURE_LENGTH = 0.2, 8.0  # s [P], t [n]

@@ -41,7 +41,9 @@ class Unknown(NamedTuple):
     """For derivatives; of a positive one relative. The curvature is 3 % of a derivative. A plant that sticks
     answers any difference with the chance of which step its friction lets go in: with 1e-3 that may be more
     than what is looked for."""
-    own: bool = False  # of one record alone: no other feels it
+    own: bool = False  # of one record alone: it passes nothing of it on
+    rounded: float = 0.0  # standard deviation by which the model rounds it
+    begun: bool = False  # its start may be far off: the search begins with such alone
 
 
 class Channel(NamedTuple):
@@ -108,8 +110,9 @@ class Problem:
         start = np.array([math.log(u.start) if u.positive else u.start for u in everything])
         spread = np.array([u.prior for u in everything])
         self.names, self.count = tuple(u.key for u in everything), len(unknowns)
-        self.lasting = np.array([not u.own for u in everything])  # what other records feel, too
+        self.lasting = np.array([not u.own for u in everything])  # what is passed on
         self.mean, self.known = prior_information(prior, self.names, start, spread)
+        self.rounded = np.array([u.rounded for u in everything])
         # Derivatives do not hold for a logarithm that moves by more than a half.
         self.reach = np.array([0.5 if u.positive else math.inf for u in everything])
         self.sigma = {c.name: c.noise for c in channels}
@@ -212,7 +215,7 @@ class Problem:
             jacobian: there.
             redrawn: predicted with the noise of the model's inputs drawn once more.
         """
-        information, gradient = self.normal(theta, predicted, jacobian)
+        information, _ = self.normal(theta, predicted, jacobian)
         spread = covariance_of(information + self.known)
         count = max(len(y) for y in self._y.values()) // self._block + 1
         found, white = np.zeros((count, len(theta))), np.zeros((count, len(theta)))
@@ -226,9 +229,18 @@ class Problem:
             max((float(np.mean(one[: self.count])) for one in factors), default=1.0) if self.count else 1.0
         )
         widened = spread + (factor - 1.0) * spread @ information @ spread
-        moves = [spread @ (self.normal(theta, after, jacobian)[1] - gradient) for after in redrawn]
+        moves = self.moves_of_inputs(theta, predicted, jacobian, redrawn)[0] if redrawn else []
         of_inputs = np.mean([np.outer(move, move) for move in moves], axis=0) if moves else 0.0
         return np.asarray(widened + of_inputs, dtype=np.float64)
+
+    def moves_of_inputs(
+        self, theta: Floats, predicted: Columns, jacobian: Jacobian, redrawn: Sequence[Columns]
+    ) -> tuple[list[Floats], Floats]:
+        """Return how each draw of the inputs' noise moves theta, and theta's errors without it."""
+        information, gradient = self.normal(theta, predicted, jacobian)
+        spread = covariance_of(information + self.known)
+        moves = [spread @ (self.normal(theta, after, jacobian)[1] - gradient) for after in redrawn]
+        return moves, np.sqrt(np.diag(spread))
 
     def stated_effect(
         self, theta: Floats, predicted: Columns, jacobian: Jacobian, moved: Sequence[Columns], before: Floats

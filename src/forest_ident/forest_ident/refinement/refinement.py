@@ -23,12 +23,14 @@ from forest_ident.measurements.session import Session, SessionError
 from forest_ident.output_error import noise_model
 from forest_ident.output_error.fit_problem import Channel, Columns, Fit, Unknown
 from forest_ident.output_error.gaussian_estimate import GaussianEstimate, widened
-from forest_ident.output_error.output_error import Model, fit
+from forest_ident.output_error.output_error import fit
 from forest_ident.output_error.prediction import ROUGH, STEP, Offsets, predict, redrawn
+from forest_ident.output_error.search import Model
 from forest_ident.refinement import extension_keys
 from forest_ident.refinement.refinement_task import INERTIAS, START, Task, is_parameter, stated_keys, task
 
 UNKNOWN = 0.4  # prior standard deviation of what no experiment has estimated yet: relative, or volts
+BEGUN = 0.1  # standard deviation, as `UNKNOWN`, from which a search begins with a number
 SETTLED = 0.25  # [s] after a change of voltage
 START_NOISE = 1e4  # [Pa] by which pressures drift while the mean of the start is taken
 ANGLES = tuple(f"{axis}.angle" for axis in AXES)
@@ -58,7 +60,7 @@ def refine(
     machine = dataclasses.replace(machine, capacity=None)
     if session.kind == "deadband":
         machine = with_directions(machine, f"{session.own_axis}.valve")
-    unknowns = [*_unknowns(machine, session, work), *_start_pressures(machine, session, work, known)]
+    unknowns = [*_unknowns(machine, session, work, known), *_start_pressures(machine, session, work, known)]
     channels = _channels(machine, session, work)
     # Static errors stay, the noise of the means that a session starts from is its own.
     noise = {name: noise_model.start_noise(machine, session, name) for name in ANGLES}
@@ -81,7 +83,7 @@ def refine(
         prior=widened(known, noise),
         redrawn=again,
         stated=moved,
-        rough=driven_by(corrected, ROUGH) if session.on_crane else None,
+        rough=driven_by(corrected, ROUGH),
     )
     rounded = extension_keys.rounding(done.values)
     return work, done._replace(posterior=widened(done.posterior, rounded))
@@ -113,19 +115,30 @@ def _measured(session: Session, channels: Sequence[Channel]) -> Columns:
     return sample_mask.while_open(measured, session, settled, floor)
 
 
-def _unknowns(machine: Machine, session: Session, work: Task) -> list[Unknown]:
-    """Return parameters and nuisances with their priors; exact sensors have no static errors."""
+def _unknowns(machine: Machine, session: Session, work: Task, known: GaussianEstimate) -> list[Unknown]:
+    """Return parameters and nuisances with their priors; exact sensors have no static errors.
+
+    A record of the crane passes on only what it is made for.
+    """
     found = []
     for key in (*work.free, *work.carried):
         positive = is_positive(key)
         # An overlap that a curve in volts hides stays near its start, or it would leave the curve behind.
-        flat = key in work.free and positive and not extension_keys.is_extension(key)
-        spread = math.inf if flat else UNKNOWN
-        unknown = Unknown(key, value_of(machine, key), spread, positive)
+        linear = not extension_keys.is_extension(key)  # it begins with a linear estimate
+        spread = math.inf if key in work.free and positive and linear else UNKNOWN
+        unknown = Unknown(
+            key=key,
+            start=value_of(machine, key),
+            prior=spread,
+            positive=positive,
+            own=session.on_crane and key in work.carried,
+            begun=linear and (session.on_crane or key in work.free) and not _is_known(known, key),
+        )
         coarse = extension_keys.COARSE.get(key.rpartition(".")[2], unknown.difference)
-        found.append(unknown._replace(difference=coarse))
+        rounded = extension_keys.rounding({key: unknown.start}).get(key, 0.0)
+        found.append(unknown._replace(difference=coarse, rounded=rounded))
     if "rig.load" in work.nuisances:
-        found.append(Unknown(f"rig.load.{session.name}", _load(session), math.inf))
+        found.append(Unknown(f"rig.load.{session.name}", _load(session), math.inf, begun=True))
     for name in () if session.is_exact else work.nuisances:
         if name == "tilt":
             sd = noise_model.accuracy(machine, session, "inclinometer") or 0.01
@@ -136,6 +149,11 @@ def _unknowns(machine: Machine, session: Session, work: Task) -> list[Unknown]:
         elif name in ANGLES and (sd := noise_model.accuracy(machine, session, "resolver")) > 0.0:
             found.append(Unknown(name, 0.0, sd, positive=False))
     return found
+
+
+def _is_known(known: GaussianEstimate, key: str) -> bool:
+    """Tell whether earlier records tell a number well enough for a search to begin with."""
+    return key in known.names and known.of(key)[1] < BEGUN
 
 
 def _start_pressures(

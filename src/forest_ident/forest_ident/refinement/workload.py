@@ -18,7 +18,6 @@ from forest_description.machine import Machine
 from forest_ident.measurements.session import Session
 from forest_ident.refinement.refinement_task import simulations
 
-RIG = 1.5  # times a crane's row: a rig's derivatives are simulated as exactly as its steps
 PRIOR = 2.0  # records
 UNENDED = 0.25  # of what a record was expected to take, that is left at least until its search ends
 
@@ -33,7 +32,7 @@ class Workload:
             machine: to be fitted.
             sessions: in their order.
         """
-        self._rows = np.array([len(s.time) * (RIG if s.on_rig else 1.0) for s in sessions])
+        self._rows = np.array([float(len(s.time)) for s in sessions])
         self._expected = np.array([simulations(machine, s) for s in sessions])
         self._counted = np.zeros(len(sessions))
 
