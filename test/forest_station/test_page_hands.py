@@ -2,10 +2,10 @@
 
 from collections.abc import Callable, Iterator
 
+import page_words
 import pytest
 from browser import DESKTOP, PHONE, new_page
-from page_stand_in import PageStandIn
-from page_words import SHOWN, states
+from page_stand_in import Js, PageStandIn
 from playwright.sync_api import Browser
 
 from forest_control.operator.levers import AXIS_COUNT, LEFT_SHOULDER, LEFT_X, LEFT_Y, RIGHT_Y
@@ -491,16 +491,16 @@ CUT = """([selector, texts]) => {
 
 
 @pytest.mark.parametrize("sized", [(1280, 800), (900, 600), (390, 844)], indirect=True)
-def test_no_advice_is_cut_off(met: PageStandIn, sized: tuple[int, int]) -> None:
+def test_no_advice_is_cut_off(met: PageStandIn, js: Js, sized: tuple[int, int]) -> None:
     page = met.page
     phone = sized[0] < 400
     grip = {"grip": "HOLD TO DRIVE"} if phone else {}
-    told = [one | {"fingers": phone, "here": one["here"] | grip} for one in states()]
+    told = [one | {"fingers": phone, "here": one["here"] | grip} for one in page_words.states()]
     told += [one | {"cause": cause} for one in told for cause in WORST_CAUSES if one["cause"]]
-    shown = page.evaluate(f"async (told) => ({SHOWN})(await import('/web/hands/why.js'), told)", told)
-    lines = {one["line"] for one in shown}
+    found = page_words.shown(js, told)
+    lines = {one["line"] for one in found}
     stops = {text for text in lines if text.startswith("STOPPED")}
-    exercise = {one["exercise"] for one in shown} | {page.evaluate(LONGEST_WAY, phone)}
+    exercise = {one["exercise"] for one in found} | {page.evaluate(LONGEST_WAY, phone)}
     assert page.evaluate(CUT, ["#first_minute p", sorted(exercise)]) == []
     assert page.evaluate(CUT, ["#message p", sorted(lines - stops)]) == []
     met.tell("emergency_stop", active=True, sources=[])  # then the reset stands beside the line

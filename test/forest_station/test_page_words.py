@@ -5,7 +5,7 @@ from typing import Any
 
 import pytest
 from page_stand_in import Js
-from page_words import GRIP, HELD_BACK, NO_STOP, OTHER, SHOWN, STOP, YOU, seat, state, states
+from page_words import GRIP, HELD_BACK, NO_STOP, OTHER, STOP, YOU, seat, shown, state, states
 
 from forest_control.limits.velocity_scaling import Limit
 from forest_control.safety import motion_guard
@@ -123,10 +123,10 @@ TABLE: tuple[tuple[str, dict[str, Any], tuple[str, str, str]], ...] = (
 )
 
 
-@pytest.mark.parametrize(("told", "shown"), [row[1:] for row in TABLE], ids=[row[0] for row in TABLE])
-def test_each_state_shows_its_own_texts(js: Js, told: dict[str, Any], shown: tuple[str, str, str]) -> None:
-    (found,) = js("hands/why.js", SHOWN, [told])
-    assert (found["deadman"], found["line"], found["exercise"]) == shown
+@pytest.mark.parametrize(("told", "texts"), [row[1:] for row in TABLE], ids=[row[0] for row in TABLE])
+def test_each_state_shows_its_own_texts(js: Js, told: dict[str, Any], texts: tuple[str, str, str]) -> None:
+    (found,) = shown(js, [told])
+    assert (found["deadman"], found["line"], found["exercise"]) == texts
 
 
 # What a person is told to do, by the words that tell it.
@@ -147,7 +147,7 @@ def orders(texts: dict[str, str]) -> set[str]:
     return {name for name, words in ORDERS.items() if re.search(words, said)}
 
 
-def is_open(order: str, told: dict[str, Any], shown: dict[str, Any]) -> bool:
+def is_open(order: str, told: dict[str, Any], texts: dict[str, Any]) -> bool:
     """Tell whether an order is not obeyed yet, and can be."""
     here, drives = told["here"], bool(told["seat"] and told["seat"]["you_drive"])
     pressed, deflected, stopped = here["held"] or here["doubted"], here["deflected"], told["stop"]["active"]
@@ -155,9 +155,9 @@ def is_open(order: str, told: dict[str, Any], shown: dict[str, Any]) -> bool:
     return {
         "let go of the deadman": drives and pressed,
         "let go of sticks": drives and deflected and (not pressed or told["status"]["disarmed"]),
-        "hold": drives and at_rest and not stopped and shown["deadman"] == RELEASED,
+        "hold": drives and at_rest and not stopped and texts["deadman"] == RELEASED,
         "reset": drives and at_rest and stopped,
-        "push": shown["moves"] and shown["deadman"] == HELD and not stopped,
+        "push": texts["moves"] and texts["deadman"] == HELD and not stopped,
         "take the seat": told["seat"] is not None and told["seat"]["driver"] is None and not stopped,
         "ask for control": told["seat"] is not None and told["seat"]["driver"] == OTHER and not stopped,
     }[order]
@@ -165,16 +165,16 @@ def is_open(order: str, told: dict[str, Any], shown: dict[str, Any]) -> bool:
 
 def test_in_no_state_do_two_texts_contradict_each_other_or_ask_for_what_is_done(js: Js) -> None:
     told = list(states())
-    for one, shown in zip(told, js("hands/why.js", SHOWN, told), strict=True):
-        asked = orders(shown)
-        assert len(asked) <= 1, (one, shown)
-        assert all(is_open(order, one, shown) for order in asked), (one, shown)
-        assert (shown["driver"] == "You drive") == bool(one["seat"] and one["seat"]["driver"] == YOU)
+    for one, found in zip(told, shown(js, told), strict=True):
+        asked = orders(found)
+        assert len(asked) <= 1, (one, found)
+        assert all(is_open(order, one, found) for order in asked), (one, found)
+        assert (found["driver"] == "You drive") == bool(one["seat"] and one["seat"]["driver"] == YOU)
 
 
 def test_whoever_drives_and_moves_nothing_is_told_what_to_do_unless_it_is_heard_at_once(js: Js) -> None:
     told = [one for one in states() if one["seat"] and one["seat"]["driver"] == YOU]
-    for one, shown in zip(told, js("hands/why.js", SHOWN, told), strict=True):
+    for one, found in zip(told, shown(js, told), strict=True):
         here, judged = one["here"], one["seat"]["deadman"]["state"]
         pressed = here["held"] or here["doubted"]
         on_its_way = {
@@ -182,14 +182,14 @@ def test_whoever_drives_and_moves_nothing_is_told_what_to_do_unless_it_is_heard_
             "ready": here["held"],
             "held": not pressed and not here["deflected"],
         }[judged]
-        stopped, told_otherwise = one["stop"]["active"], "Close other programs" in shown["line"]
-        assert shown["moves"] or orders(shown) or told_otherwise or (on_its_way and not stopped), (one, shown)
+        stopped, told_otherwise = one["stop"]["active"], "Close other programs" in found["line"]
+        assert found["moves"] or orders(found) or told_otherwise or (on_its_way and not stopped), (one, found)
 
 
 def test_an_overload_is_ended_in_the_same_way_wherever_it_is_told(js: Js) -> None:
     remedy = "et go of the deadman, then put the load down"
     told = state(seat(), here=HELD_HERE, status={"factor": 0.0, "limit": Limit.OVERLOAD})
-    assert remedy in js("hands/why.js", SHOWN, [told])[0]["line"]
+    assert remedy in shown(js, [told])[0]["line"]
     text = "overload: stick went back by 0.021 rad in 0.30 s; allowed: put the load down"
     assert remedy in js("diagnostics/remedies.js", "(m, text) => m.remedy(text)", text)
     label = """(m, limit) => new m.Limits({ materials: new Map(), place: () => 0 }, { light() {} })

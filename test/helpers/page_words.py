@@ -1,20 +1,26 @@
 """Every state in which the page says who drives and what to do, and what it then says."""
 
 import itertools
+import json
 from collections.abc import Iterator
 from typing import Any
+
+from page_stand_in import Js
 
 from forest_control.safety import motion_guard
 from forest_station.operator.deadman import TOO_LATE
 
 # For each state {seat, here, stop, note, status, cause, push}: the texts that stand on the page together.
+# Both as JSON: the browser's protocol takes far longer over objects.
 # `push`: null, no square is marked; else where the tip is, from the beginning of its first edge.
-SHOWN = """async (m, states) => {
+_SHOWN = """async (m, text) => {
+  const states = JSON.parse(text);
   const { stopText } = await import("/web/hands/stop_words.js");
   const { exerciseText } = await import("/web/exercise/words.js");
   const { begun, squareAt } = await import("/web/exercise/square.js");
   const { messageLineOf } = await import("/web/message_line.js");
-  return states.map(({ seat, here, stop, note, status, cause, push, fingers = false, movesTip = true }) => {
+  const texts = (state) => {
+    const { seat, here, stop, note, status, cause, push, fingers = false, movesTip = true } = state;
     const advice = m.adviceFor(seat, here, stop.active, status, cause);
     const line = messageLineOf({});
     line.say("stop", stopText(stop, { note, drives: Boolean(seat?.you_drive), order: advice.order }));
@@ -29,7 +35,8 @@ SHOWN = """async (m, states) => {
       exercise: exerciseText(shown),
       moves: advice.moves,
     };
-  });
+  };
+  return JSON.stringify(states.map(texts));
 }"""
 YOU, OTHER = "operator 1", "operator 2"
 GRIP = "the left Shift key"
@@ -42,6 +49,12 @@ HANDS = tuple(
     for held, doubted in ((False, False), (True, False), (False, True))
     for deflected in (False, True)
 )
+
+
+def shown(js: Js, told: list[dict[str, Any]]) -> list[dict[str, Any]]:
+    """Return what stands on the page in each of some states."""
+    found: list[dict[str, Any]] = json.loads(js("hands/why.js", _SHOWN, json.dumps(told)))
+    return found
 
 
 def seat(driver: str | None = YOU, state: str = "held", cause: str = "", **more: Any) -> dict[str, Any]:
