@@ -3,7 +3,7 @@
 import pytest
 from browser import launched
 from page_stand_in import ADDRESS, serve_file
-from playwright.sync_api import sync_playwright
+from playwright.sync_api import Error, sync_playwright
 
 
 @pytest.fixture(scope="module")
@@ -24,10 +24,24 @@ def browser(playwright):
 def js(browser):
     """Calls an arrow function with a module of the page, and with an argument."""
     page = browser.new_page()
-    page.route(f"{ADDRESS}/web/**", serve_file)
+    missing = []
+
+    def serve(route):
+        if not serve_file(route):
+            missing.append(route.request.url.removeprefix(ADDRESS))
+
+    def call(module, function, argument=None):
+        missing.clear()
+        script = f"async (argument) => ({function})(await import('/web/{module}'), argument)"
+        try:
+            return page.evaluate(script, argument)
+        except Error:
+            if missing:
+                pytest.fail(f"the page has no file {', '.join(missing)}")
+            raise
+
+    page.route(f"{ADDRESS}/web/**", serve)
     page.route(ADDRESS + "/", lambda route: route.fulfill(body="", content_type="text/html"))
     page.goto(ADDRESS + "/")
-    yield lambda module, function, argument=None: page.evaluate(
-        f"async (argument) => ({function})(await import('/web/{module}'), argument)", argument
-    )
+    yield call
     page.close()

@@ -1,10 +1,11 @@
 """What the operator's page says of its hands, in a real browser whose clock goes as far as a test lets it."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 
+import page_words
 import pytest
 from browser import DESKTOP, PHONE, new_page
-from page_stand_in import PageStandIn
+from page_stand_in import Js, PageStandIn
 from playwright.sync_api import Browser
 
 from forest_control.operator.levers import AXIS_COUNT, LEFT_SHOULDER, LEFT_X, LEFT_Y, RIGHT_Y
@@ -14,6 +15,7 @@ from forest_station.operator.hands_message import Hands
 
 RIGHT_X = JOY_AXES.index("right_x")
 CENTRED = (0.0,) * AXIS_COUNT
+SIGNALS = (("controller/status/armed", "1"),)
 PAUSED_S = 3600  # of the page's clock: later than a page takes to open
 GAMEPAD = """
 window.pads = [];
@@ -55,6 +57,17 @@ def met(desktop: PageStandIn) -> PageStandIn:
     desktop.page.evaluate("pads.length = 0")
     desktop.rest()
     return desktop
+
+
+@pytest.fixture
+def sized(met: PageStandIn, request: pytest.FixtureRequest) -> Iterator[tuple[int, int]]:
+    """The page in a window of another size [px]."""
+    before = met.page.viewport_size
+    assert before is not None
+    width, height = request.param
+    met.page.set_viewport_size({"width": width, "height": height})
+    yield width, height
+    met.page.set_viewport_size(before)
 
 
 def wait(met: PageStandIn, said: Callable[[Hands], bool]) -> Hands:
@@ -276,7 +289,9 @@ def test_one_click_stops_and_a_refused_reset_tells_why(met: PageStandIn) -> None
     assert [request["do"] for request in met.asked] == ["emergency_stop"]
     sources = [{"name": "controller", "state": "stopped"}, {"name": "valve_driver", "state": "ready"}]
     met.tell("emergency_stop", active=True, sources=sources)
-    met.page.wait_for_selector("text=controller: stopped")
+    met.page.wait_for_selector(
+        "#message :text('STOPPED. Nothing moves. Press Reset. Stopped: control; not stopped: valves.')"
+    )
     met.refusals["reset_emergency_stop"] = "refused: the levers must be centred and the deadman released"
     met.page.get_by_role("button", name="Reset").click()
     met.page.wait_for_selector("#message :text('STOPPED. Not reset: refused: the levers must be centred')")
@@ -295,10 +310,72 @@ def test_a_reset_waits_until_the_deadman_is_let_go(met: PageStandIn) -> None:
     reset = met.page.get_by_role("button", name="Reset")
     reset.click()
     met.page.wait_for_selector("#message :text('STOPPED. Not reset: let go of the deadman first.')")
+    met.page.wait_for_selector("#first_minute :text('Stopped. Let go of the left Shift key.')")
     met.page.keyboard.up("Shift")
+    met.page.clock.run_for(40)
+    met.page.wait_for_selector(
+        "#message :text('STOPPED. Nothing moves. Press Reset.')"
+    )  # what is obeyed is not asked for
+    met.page.wait_for_selector("#first_minute :text('Stopped. Press Reset.')")
     reset.click()
     met.page.wait_for_selector("text=Not reset", state="hidden")
     assert [request["do"] for request in met.asked] == ["emergency_stop", "reset_emergency_stop"]
+
+
+def test_a_reset_that_a_node_refuses_for_a_stick_is_told_until_the_stick_is_let_go(met: PageStandIn) -> None:
+    met.tell("emergency_stop", active=True, sources=[{"name": "controller", "state": "stopped"}])
+    met.refusals["reset_emergency_stop"] = "controller: refused: the levers must be centred."
+    met.page.keyboard.down("w")
+    met.page.clock.run_for(400)
+    met.page.get_by_role("button", name="Reset").click()
+    refused = "#message :text('STOPPED. Not reset: control: the levers must be centred.')"
+    met.page.wait_for_selector(refused)
+    met.page.clock.run_for(1000)
+    assert met.page.locator(refused).count() == 1
+    met.page.keyboard.up("w")
+    met.page.clock.run_for(400)
+    met.page.wait_for_selector("#message :text('STOPPED. Nothing moves. Press Reset.')")
+    met.page.get_by_role("button", name="Reset").click()  # refused for another reason than these hands
+    met.page.wait_for_selector(refused)
+    met.page.clock.run_for(1000)
+    assert met.page.locator(refused).count() == 1
+
+
+def test_a_controller_that_arms_is_no_trouble_and_one_that_stays_disarmed_says_what_to_do(
+    met: PageStandIn,
+) -> None:
+    page = met.page
+    met.tell("welcome", you="operator 1", signals=SIGNALS)
+    met.tell_seat(deadman=("ready", ""))
+    page.keyboard.down("Shift")
+    wait(met, lambda hands: hands.held)
+    met.tell_seat(deadman=("held", ""))
+    page.keyboard.down("w")
+    met.send_frame(1, 0.0, [0.0])
+    page.clock.run_for(200)
+    page.wait_for_selector(".deadman[data-state=held]")
+    order = "Let go of sticks and keys."
+    assert order not in page.inner_text("#message")
+    page.clock.run_for(400)
+    page.wait_for_selector(f"#message :text('{order}')")
+    met.send_frame(2, 0.1, [1.0])
+    page.clock.run_for(300)
+    assert order not in page.inner_text("#message")
+    met.tell("welcome", you="operator 1", signals=[])
+
+
+def test_keys_are_slowed_and_sped_up_while_they_are_pressed_and_the_page_tells_by_how_much(
+    met: PageStandIn,
+) -> None:
+    page = met.page
+    page.keyboard.down("w")
+    wait(met, lambda hands: hands.axes[LEFT_Y] == 1.0)
+    for key, share in (("q", 0.5), ("q", 0.25), ("q", 0.25), ("e", 0.5), ("e", 1.0)):
+        page.keyboard.press(key)
+        wait(met, lambda hands, wanted=share: hands.axes[LEFT_Y] == wanted)  # type: ignore[misc]
+        page.wait_for_selector(f"#sticks .speed :text-is('{100 * share:.0f} %')")
+    page.keyboard.up("w")
+    wait(met, lambda hands: hands.axes == CENTRED)
 
 
 def test_a_key_without_the_deadman_says_what_is_missing(met: PageStandIn) -> None:
@@ -388,6 +465,64 @@ def test_what_the_server_says_stands_in_the_way_is_shown(met: PageStandIn) -> No
     met.page.wait_for_selector(f"#message :text('{TOO_LATE} Hold the left Shift key')")
 
 
+WORST_CAUSES = (
+    "joint state: boom is 3.14159 rad; allowed: 0.100 .. 1.200",
+    "machine: boom goes by itself, 3 degrees though its valve is shut; allowed: shut off the hydraulics",
+)
+# The longest sentence of the exercise.
+LONGEST_WAY = """async (fingers) => {
+  const { wayText } = await import("/web/exercise/words.js");
+  const push = (stick, word, key, metres) => ({ stick, word, key, metres });
+  const [along, aside] = [push("left", "right", "D", 10.5), push("left", "away", "W", 0)];
+  const way = { along, aside, height: push("right", "down", "↓", 10.5), wrong: true, then: "" };
+  return `Edge 4 of 4: ${wayText(way, fingers)}`;
+}"""
+# Which of the texts are cut off in an element, one after the other.
+CUT = """([selector, texts]) => {
+  const element = document.querySelector(selector);
+  const before = element.textContent;
+  const cut = texts.filter((text) => {
+    element.textContent = text;
+    return element.scrollHeight > element.clientHeight + 1;
+  });
+  element.textContent = before;
+  return cut;
+}"""
+
+
+@pytest.mark.parametrize("sized", [(1280, 800), (900, 600), (390, 844)], indirect=True)
+def test_no_advice_is_cut_off(met: PageStandIn, js: Js, sized: tuple[int, int]) -> None:
+    page = met.page
+    phone = sized[0] < 400
+    grip = {"grip": "HOLD TO DRIVE"} if phone else {}
+    told = [one | {"fingers": phone, "here": one["here"] | grip} for one in page_words.states()]
+    told += [one | {"cause": cause} for one in told for cause in WORST_CAUSES if one["cause"]]
+    found = page_words.shown(js, told)
+    lines = {one["line"] for one in found}
+    stops = {text for text in lines if text.startswith("STOPPED")}
+    exercise = {one["exercise"] for one in found} | {page.evaluate(LONGEST_WAY, phone)}
+    assert page.evaluate(CUT, ["#first_minute p", sorted(exercise)]) == []
+    assert page.evaluate(CUT, ["#message p", sorted(lines - stops)]) == []
+    met.tell("emergency_stop", active=True, sources=[])  # then the reset stands beside the line
+    page.wait_for_selector("#emergency_stop .reset", state="visible")
+    assert page.evaluate(CUT, ["#message p", sorted(stops)]) == []
+
+
+@pytest.mark.usefixtures("sized")
+@pytest.mark.parametrize("sized", [(1280, 800)], indirect=True)
+def test_what_to_do_about_a_stop_is_read_without_scrolling(met: PageStandIn) -> None:
+    page = met.page
+    stop = {"level": "error", "text": "emergency stop pressed", "values": {}}
+    nodes = ("valve_driver", "controller", "simulator")
+    met.tell("diagnostics", parts=[stop | {"name": f"{node}: emergency stop"} for node in nodes])
+    page.wait_for_selector("#diagnostics :text('emergency stop: valves, control, simulated crane')")
+    bottoms = """() => ["#diagnostics .remedy", "#diagnostics .now"].map((name) =>
+      document.querySelector(name).getBoundingClientRect().bottom)"""
+    remedy, box = page.evaluate(bottoms)
+    assert remedy <= box
+    met.tell("diagnostics", parts=[])
+
+
 PARTS = ("#left", "#scene", "#right", "#bottom", ".stop", "#diagnostics ~ #recording", "#drawer-button")
 PLACES = """(parts) => [...parts, "#message"].map((name) => {
   const { x, y, width, height } = document.querySelector(name).getBoundingClientRect();
@@ -395,10 +530,10 @@ PLACES = """(parts) => [...parts, "#message"].map((name) => {
 })"""
 
 
-@pytest.mark.parametrize("size", [(1280, 800), (900, 600), (390, 844)])
-def test_nothing_jumps_when_a_message_comes_or_goes(met: PageStandIn, size: tuple[int, int]) -> None:
-    page, before = met.page, met.page.viewport_size
-    page.set_viewport_size({"width": size[0], "height": size[1]})
+@pytest.mark.usefixtures("sized")
+@pytest.mark.parametrize("sized", [(1280, 800), (900, 600), (390, 844)], indirect=True)
+def test_nothing_jumps_when_a_message_comes_or_goes(met: PageStandIn) -> None:
+    page = met.page
     places = page.evaluate(PLACES, PARTS)
     sources = [{"name": name, "state": "stopped"} for name in ("controller", "valve_driver", "simulator")]
     part = {
@@ -420,7 +555,6 @@ def test_nothing_jumps_when_a_message_comes_or_goes(met: PageStandIn, size: tupl
         page.clock.run_for(400)
         assert page.evaluate(PLACES, PARTS) == places
     met.tell("diagnostics", parts=[])
-    page.set_viewport_size(before)
 
 
 def test_a_page_without_a_connection_says_one_thing_that_can_be_read(met: PageStandIn) -> None:

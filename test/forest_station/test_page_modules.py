@@ -1,7 +1,9 @@
 """The page's pure modules, imported by a browser: what the hands, the history and the instruments compute."""
 
-from typing import Any
+import shutil
+from pathlib import Path
 
+import page_stand_in
 import pytest
 from page_stand_in import Js
 
@@ -18,6 +20,18 @@ from forest_msgs_py.interfaces.topics import JOY_AXES, JOY_BUTTONS
 from forest_station.operator.deadman import TOO_LATE
 from forest_station.operator.hands_message import Hands, decode_hands, encode_hands
 from forest_station.scene.surroundings import CLEARING
+
+
+@pytest.mark.parametrize("module", ["hands/none.js", "dropped/imports_none.js"])
+def test_a_module_that_is_missing_fails_a_test_and_is_named(
+    js: Js, module: str, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    shutil.copytree(page_stand_in.WEB, tmp_path / "web")
+    (tmp_path / "web/dropped").mkdir()
+    (tmp_path / "web/dropped/imports_none.js").write_text('import "/web/hands/none.js";', encoding="utf-8")
+    monkeypatch.setattr(page_stand_in, "WEB", tmp_path / "web")
+    with pytest.raises(pytest.fail.Exception, match=r"the page has no file /web/hands/none\.js"):
+        js(module, "(m) => m")
 
 
 def test_axes_and_buttons_have_the_names_and_the_order_of_joy(js: Js) -> None:
@@ -71,6 +85,14 @@ def test_keys_ask_for_the_tips_directions(js: Js) -> None:
     assert js("hands/keys.js", wanted, ["KeyW", "KeyA", "ArrowUp"]) == [1, 1, 0, 1, 0, 0]
     assert js("hands/keys.js", wanted, ["KeyS", "KeyD", "ArrowDown", "KeyX"]) == [-1, -1, 0, -1, 0, 0]
     assert js("hands/keys.js", wanted, ["KeyW", "KeyS"]) == [0] * AXIS_COUNT
+    slowly = "(m, keys) => m.wantedAxes(keys, 0.25)"
+    assert js("hands/keys.js", slowly, ["KeyW", "KeyD"]) == [-0.25, 0.25, 0, 0, 0, 0]
+
+
+def test_two_keys_choose_how_far_a_key_pushes_a_stick(js: Js) -> None:
+    steps = """(m) => ["KeyQ", "KeyQ", "KeyQ", "KeyE", "KeyE", "KeyE"].map((code, i, all) =>
+      all.slice(0, i + 1).reduce((speed, key) => m.nextSpeed(speed, key), 1))"""
+    assert js("hands/keys.js", steps) == [0.5, 0.25, 0.25, 0.5, 1, 1]
 
 
 def test_the_deadman_is_held_while_any_holder_holds_it(js: Js) -> None:
@@ -111,7 +133,7 @@ def test_a_page_hung_after_a_gap_of_a_tenth_of_a_second(js: Js) -> None:
 
 def test_hands_that_are_often_too_late_are_told_what_is_to_be_done_about_the_computer(js: Js) -> None:
     steps = """async (m) => {
-      const { whyText } = await import("/web/hands/why.js");
+      const { adviceFor } = await import("/web/hands/why.js");
       const lateness = new m.Lateness();
       const deadman = { state: "ready", cause: "" };
       const seat = { you_drive: true, driver: "you", asking: [], deadman };
@@ -119,7 +141,7 @@ def test_hands_that_are_often_too_late_are_told_what_is_to_be_done_about_the_com
         lateness.count(now);
         const often = lateness.isOften(now);
         const here = { held: false, doubted: false, why: m.TOO_LATE, grip: "the key", often };
-        return [here, { ...here, doubted: true }].map((one) => whyText(seat, one, false, {}));
+        return [here, { ...here, doubted: true }].map((one) => adviceFor(seat, one, false, {}).text);
       });
     }"""
     late = "The hands came too late: this computer or the network is too busy."
@@ -146,9 +168,18 @@ def test_the_figure_of_a_slow_drawing_says_how_to_stop_it(js: Js) -> None:
     ]
 
 
+def test_a_browser_without_webgl_is_told_how_to_start_chromium(js: Js) -> None:
+    failed = ["Error creating WebGL context.", "x"]
+    told, other = js("scene/overlay.js", "(m, texts) => texts.map(m.failureText)", failed)
+    options = "--use-angle=swiftshader --enable-unsafe-swiftshader"
+    remedy = f"Without a graphics processor start Chromium with {options}."
+    assert told == f"The crane cannot be drawn: Error creating WebGL context. {remedy}"
+    assert other == "The crane cannot be drawn: x."
+
+
 def test_without_a_connection_the_page_says_where_to_look(js: Js) -> None:
     why = """(m) => {
-      const told = (lost) => m.whyText(null, { lost }, false, {});
+      const told = (lost) => m.adviceFor(null, { lost }, false, {}).text;
       return [told(""), told(m.lostText("")), told(m.lostText("The station ends."))];
     }"""
     first, lost, ended = js("hands/why.js", why)
@@ -160,7 +191,7 @@ def test_without_a_connection_the_page_says_where_to_look(js: Js) -> None:
 def test_a_limit_that_lets_nothing_through_is_no_slowing_to_nothing(js: Js) -> None:
     why = """(m, [limit, axis]) => {
       const seat = { you_drive: true, driver: "you", asking: [], deadman: { state: "held" } };
-      const told = (factor) => m.whyText(seat, { held: true }, false, { armed: 1, factor, limit, axis });
+      const told = (factor) => m.adviceFor(seat, { held: true }, false, { factor, limit, axis }).text;
       return [0, 0.004, 0.28].map(told);
     }"""
     held = "Held back by the flow of the pumps."
@@ -192,63 +223,6 @@ def test_the_joint_at_its_limit_is_the_nearest_one_that_moves_towards_it(
     values |= {f"joint_states/{name}.velocity": rate for name, rate in zip(AXES, rates, strict=True)}
     found = "(m, [joints, values]) => m.axisAtLimit(joints, (name) => values[name])"
     assert js("scene/axes.js", found, [joints, values]) == axis
-
-
-ORDER = """(m, [state, here]) => {
-  const seat = { you_drive: true, driver: "you", asking: [], deadman: { state, cause: "" } };
-  const grip = "the key";
-  const rest = { held: false, doubted: false, deflected: false, why: "", often: false, grip };
-  return m.whyText(seat, { ...rest, ...here }, false, { armed: 1, factor: 1, limit: 0 });
-}"""
-STICKS = "Let go of sticks and keys: nothing moves without the deadman."
-HOLD = "Hold the key, then move a stick."
-
-
-@pytest.mark.parametrize(
-    ("state", "here", "order"),
-    [
-        ("waiting", {"held": True}, "Let go of the key."),
-        ("waiting", {"held": True, "deflected": True}, "Let go of the key."),
-        ("ready", {"doubted": True, "deflected": True}, "Let go of the key."),
-        ("waiting", {"deflected": True}, STICKS),
-        ("ready", {"deflected": True}, STICKS),
-        ("ready", {}, HOLD),
-        ("waiting", {}, ""),  # let go and centred: the server is about to hear of it
-        ("ready", {"held": True}, ""),
-        ("held", {"held": True, "deflected": True}, ""),
-        ("held", {}, ""),  # let go just now
-    ],
-)
-def test_one_order_is_given_at_a_time_and_none_that_is_obeyed(
-    js: Js, state: str, here: dict[str, bool], order: str
-) -> None:
-    assert js("hands/why.js", ORDER, [state, here]) == order
-
-
-def test_a_deadman_is_shown_as_held_while_both_sides_hold_it(js: Js) -> None:
-    states = """(m) => [[true, false], [false, true], [false, false]].flatMap(([held, doubted]) =>
-      [true, false].map((you_drive) =>
-        m.deadmanState({ you_drive, deadman: { state: "held" } }, { held, doubted }).state))"""
-    assert js("hands/why.js", states) == ["held", "held", "pressed", "held", "waiting", "held"]
-
-
-def test_a_hold_that_begins_is_not_called_one_that_does_not_count(js: Js) -> None:
-    texts = """(m) => [["ready", false], ["waiting", false], ["ready", true]].map(([state, doubted]) =>
-      m.deadmanState({ you_drive: true, deadman: { state } }, { held: true, doubted }).text)"""
-    assert js("hands/why.js", texts) == ["Deadman pressed", *["Deadman does not count"] * 2]
-
-
-def test_of_all_that_is_said_at_the_top_the_most_important_is_shown(js: Js) -> None:
-    steps = """(m) => {
-      const line = m.messageLineOf({});
-      const told = [];
-      line.addEventListener("change", () => told.push(line.shown.text));
-      const stop = ["stop", "stopped"];
-      const said = [["hint", "hold"], ["drive", "let go"], stop, stop, ["hint", ""], ["stop", ""]];
-      for (const one of said) line.say(...one);
-      return told;
-    }"""
-    assert js("message_line.js", steps) == ["hold", "let go", "stopped", "stopped", "let go"]
 
 
 def test_a_standard_gamepad_means_what_game_controller_means(js: Js) -> None:
@@ -310,142 +284,6 @@ def test_a_mapping_that_cannot_be_is_refused_in_a_sentence(js: Js, change: str, 
       try {{ module.checkedMapping(m); }} catch (error) {{ return error.message; }}
     }}"""
     assert js("hands/mapping.js", steps) == told
-
-
-def test_a_corner_of_the_square_that_was_passed_counts_and_the_way_on_is_told_from_where_the_tip_is(
-    js: Js,
-) -> None:
-    steps = """(m) => {
-      let attempt = m.begun(m.squareAt([5, 0, 1]));
-      return [[5.5, 0, 1], [5.9, 0.05, 1], [5.8, 1.1, 1], [4.9, 1.1, 1], [5, 0.05, 1]].map((tip, i) => {
-        attempt = m.after(attempt, tip, i);
-        const done = { word: "done", key: "", metres: 0 };
-        const { word, key, metres } = m.isDone(attempt) ? done : m.way(attempt, tip);
-        return [attempt.side, word, key, Math.round(100 * metres)];
-      });
-    }"""
-    told = [
-        [0, "away", "W", 30],
-        [1, "left", "A", 75],
-        [2, "back", "S", 80],
-        [3, "right", "D", 110],
-        [4, "done", "", 0],
-    ]
-    assert js("exercise/square.js", steps) == told
-
-
-def test_the_way_to_go_is_told_along_the_edge_with_what_is_beside_it_and_a_wrong_way_is_called_wrong(
-    js: Js,
-) -> None:
-    steps = """async (m) => {
-      const { wayText } = await import("/web/exercise/words.js");
-      let attempt = m.begun(m.squareAt([5, 0, 1]));
-      const places = [[5.3, 0.05], [5.7, 0.2], [5.62, 0.2], [5.55, 0.2], [5.52, 0.2], [5.58, 0.2]];
-      return places.map(([x, y], i) => {
-        const tip = [x, y, 1];
-        attempt = m.after(attempt, tip, i);
-        return wayText(m.way(attempt, tip), i > 0);
-      });
-    }"""
-    aside = "and a little right: 0.2 m."
-    wrong = "this is the wrong way: push the left stick away:"
-    assert js("exercise/square.js", steps) == [
-        "push the left stick away, or press W: 0.5 m to go.",
-        f"push the left stick away: 0.1 m to go, {aside}",
-        f"push the left stick away: 0.2 m to go, {aside}",
-        f"{wrong} 0.3 m to go, {aside}",
-        f"{wrong} 0.3 m to go, {aside}",
-        f"push the left stick away: 0.2 m to go, {aside}",
-    ]
-
-
-def test_what_is_far_beside_the_edge_is_not_called_little(js: Js) -> None:
-    said = """(m, metres) => m.wayText(
-      { word: "back", key: "S", metres: 0.7, beside: { word: "right", metres }, wrong: false }, true)"""
-    told = "push the left stick back: 0.7 m to go, and"
-    assert js("exercise/words.js", said, 0.25) == f"{told} a little right: 0.3 m."
-    assert js("exercise/words.js", said, 1.1) == f"{told} right: 1.1 m."
-
-
-def test_the_exercises_figure_says_what_it_is(js: Js) -> None:
-    said = "(m, best) => m.resultText({ mean: 0.034, most: 0.2, seconds: 11.6 }, best)"
-    told = "Done, in 12 s of motion: the tip was 3.4 cm from the edge on average, 20.0 cm at most."
-    assert js("exercise/words.js", said) == told
-    assert js("exercise/words.js", said, 0.021) == f"{told} Your best before: 2.1 cm."
-
-
-def test_how_far_beside_the_square_the_tip_was_counts_its_way_and_no_time_in_which_it_stood(
-    js: Js,
-) -> None:
-    steps = """(m) => {
-      let attempt = m.begun(m.squareAt([5, 0, 1]));
-      const drive = (x, y) => { attempt = m.after(attempt, [x, y, 1], (time += 0.1)); };
-      let time = 0;
-      const go = (x0, y0, x1, y1) => {
-        for (let i = 1; i <= 40; i++) drive(x0 + ((x1 - x0) * i) / 40, y0 + ((y1 - y0) * i) / 40);
-      };
-      go(5, 0, 5.8, 0);
-      go(5.8, 0, 5.8, 1.3);
-      for (let i = 0; i < 1000; i++) drive(5.8 + 0.002 * (i % 2), 1.3);
-      go(5.8, 1.3, 5.8, 0.8);
-      go(5.8, 0.8, 5, 0.8);
-      go(5, 0.8, 5, 0);
-      return [m.isDone(attempt), m.result(attempt)];
-    }"""
-    done, found = js("exercise/square.js", steps)
-    assert done
-    assert found["most"] == pytest.approx(0.5, abs=0.01)
-    along = 4 * 0.8 - 0.1  # the last corner is reached 0.1 m before it
-    assert found["mean"] == pytest.approx(0.5**2 / (along + 2 * 0.5), rel=0.1)
-    assert found["seconds"] == pytest.approx(
-        5 * 4.0, rel=0.1
-    )  # and not the 100 s at the end of the second edge
-
-
-def test_the_emergency_stop_is_told_once_by_its_own_panel(js: Js) -> None:
-    seat = {
-        "you_drive": True,
-        "asking": [],
-        "why_not": "",
-        "deadman": {"state": "waiting", "cause": "It is late."},
-    }
-    why = """(m, seat) => {
-      const here = { held: true, why: "", you: "1", grip: "it" };
-      const status = { armed: 1, factor: 1, limit: 0 };
-      return [false, true].map((stopped) => m.whyText(seat, here, stopped, status));
-    }"""
-    assert js("hands/why.js", why, seat) == ["It is late. Let go of it.", ""]
-
-
-STANDING = """(m, [parts, logged, now]) => {
-  const seat = { you_drive: true, asking: [], why_not: "", deadman: { state: "held", text: "" } };
-  const status = { armed: 0, factor: 1, limit: 0 };
-  const here = { held: true, deflected: true, why: "" };
-  return m.whyText(seat, here, false, status, m.standingCause(parts, logged, now));
-}"""
-LOST = {"text": f"standing still: {motion_guard.LOST_STATE}", "at": 1000}
-FROZEN = {"name": "crane/controller: machine", "level": "error", "text": "swing is frozen"}
-
-
-@pytest.mark.parametrize(
-    ("parts", "logged", "now", "said"),
-    [
-        ([], LOST, 1500, "The controller stopped: no state of the machine. Let go of sticks and keys."),
-        ([FROZEN], LOST, 1500, "The controller stopped: swing is frozen. Let go of sticks and keys."),
-        ([FROZEN | {"level": "warning"}], LOST, 12_000, "Let go of sticks and keys."),
-        ([FROZEN | {"name": "simulator: machine"}], None, 0, "Let go of sticks and keys."),
-    ],
-)
-def test_who_holds_the_deadman_of_a_controller_that_stands_reads_why_and_what_to_do(
-    js: Js, parts: list[dict[str, str]], logged: dict[str, Any] | None, now: float, said: str
-) -> None:
-    assert [
-        js("hands/why.js", "(m, text) => m.isStanding(text)", text) for text in (LOST["text"], "well")
-    ] == [
-        True,
-        False,
-    ]
-    assert js("hands/why.js", STANDING, [parts, logged, now]) == said
 
 
 @pytest.mark.parametrize(("software", "rest", "longest"), [(False, 1, 80), (True, 3, 1000)])
@@ -727,6 +565,16 @@ def test_troubles_are_told_the_worst_first_and_what_is_well_is_not(js: Js) -> No
     ]
     found = js("diagnostics/remedies.js", "(m, parts) => m.troubles(parts)", parts)
     assert [part["name"] for part in found] == ["d, e", "a", "b"]  # what two say is told once
+
+
+def test_parts_of_nodes_are_named_as_an_operator_calls_them(js: Js) -> None:
+    stop = {"level": "error", "text": "emergency stop pressed"}
+    parts = [stop | {"name": f"{node}: emergency stop"} for node in ("controller", "valve_driver")]
+    named = "(m, parts) => m.troubles(parts).map(({ name }) => name)"
+    assert js("diagnostics/remedies.js", named, parts) == ["emergency stop: control, valves"]
+    parts = [stop | {"name": name} for name in ("north/simulator: machine", "engine: oil: hot")]
+    told = ["north/simulated crane: machine, engine: oil: hot"]
+    assert js("diagnostics/remedies.js", named, parts) == told
 
 
 @pytest.mark.parametrize(

@@ -13,9 +13,9 @@ C180 = load_machine("c180_hoses")
 
 FRAMES_A_SECOND, SPEED = 30, 8
 LEAD = 0.5 * SPEED * FRAMES_A_SECOND  # frames by which the clock may be ahead of the picture
-SECONDS = 60
+SECONDS = 30
 
-# Opens a minute of a bag, and gives a replay that plays it, and what waits until it stands still.
+# Opens half a minute of a bag, and gives a replay that plays it, and what waits until it stands still.
 OPENED = """async (m, [speed, seconds]) => {
   const { Station } = await import("/web/station.js");
   const told = { seconds, start: 0, signals: [["a", "m"]], events: [], first: {}, notes: [], scene: {} };

@@ -64,9 +64,11 @@ def new_page(browser: Browser, viewport: dict[str, int] = DESKTOP) -> tuple[Page
 
 @contextlib.contextmanager
 def launch_process(
-    playwright: Playwright, profile: Path
+    playwright: Playwright, profile: Path, *names: str
 ) -> Iterator[tuple[BrowserContext, Callable[[], list[int]]]]:
     """A browser that drives, or is killed or frozen: its first profile, and what gives its processes' pids.
+
+    `names` are tried before the browsers that people use.
 
     It comes before other programs, where the user may ask for that: a page that waits for its turn lets the
     deadman go. Chromium sets the precedence of its threads itself, so it is asked for the session.
@@ -77,7 +79,7 @@ def launch_process(
         return [int(path.parent.name) for path in found if str(profile).encode() in _bytes(path)]
 
     context = playwright.chromium.launch_persistent_context(
-        profile, executable_path=installed(*BROWSERS), args=OPTIONS, viewport=SMALL
+        profile, executable_path=installed(*names, *BROWSERS), args=OPTIONS, viewport=SMALL
     )
     try:
         for pid in processes()[:1]:

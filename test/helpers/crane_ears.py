@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import math
 import time
 from typing import Any, NamedTuple
 
@@ -52,6 +53,9 @@ class CraneEars:
             for topic, kind in reliability.items()
         }
         self._reader = ArrayReader(topics.VALVE_VOLTAGES)
+        pose = topics.GROUND_TRUTH_TIP_POSE
+        self._pose = PolledSubscription(node, message_class(pose), pose.name, QoSProfile(depth=1))
+        self._tip = (math.nan,) * 3
         self.forget()
 
     def forget(self) -> None:
@@ -67,6 +71,13 @@ class CraneEars:
             self.joy.append(Joy(info["source_timestamp"] * 1e-9, buttons[DEADMAN] == 1, frame, axes))
         for data, info in self._polled[topics.VALVE_VOLTAGES].take():
             self.voltages.append((info["source_timestamp"] * 1e-9, self._reader.read(data, 0).values))
+
+    def tip(self) -> tuple[float, float, float]:
+        """Where the simulated tip is [m]; NaN before it is heard."""
+        for message, _ in self._pose.take():
+            at = message.pose.position
+            self._tip = (at.x, at.y, at.z)
+        return self._tip
 
     async def until(self, condition: Any) -> None:
         """Wait until a condition holds, at most `MET_S`."""

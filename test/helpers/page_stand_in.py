@@ -22,13 +22,14 @@ YOU = "operator 1"
 Js = Callable[..., Any]  # a module of the page, an arrow function of it and of an argument; gives its value
 
 
-def serve_file(route: Route) -> None:
-    """Serve a file of the page's folder; for one that is not there answer so, or the page waits for ever."""
+def serve_file(route: Route) -> bool:
+    """Serve a file of the page's folder, and tell whether it is there; without an answer a page hangs."""
     path = WEB.parent / route.request.url.removeprefix(f"{ADDRESS}/").split("?")[0]
     if path.is_file():
         route.fulfill(path=path)
-    else:
-        route.fulfill(status=404)
+        return True
+    route.fulfill(status=404)
+    return False
 
 
 class PageStandIn:

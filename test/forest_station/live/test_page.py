@@ -10,7 +10,7 @@ import signal
 from collections.abc import Iterator
 
 import pytest
-from browser import SMALL, launch_process, new_page
+from browser import SMALL, WINDOWLESS, launch_process, new_page
 from driven_page import PAD, SMALL_STEP, STICK, DrivenPage, Hand, key
 
 LEFT, RIGHT = key("a"), key("d")
@@ -21,7 +21,7 @@ HEARD = 25  # messages of /joy: half a second
 @pytest.fixture(scope="module")
 def browser(playwright, tmp_path_factory):
     """A browser that comes before the host's other programs."""
-    with launch_process(playwright, tmp_path_factory.mktemp("profile")) as (context, _):
+    with launch_process(playwright, tmp_path_factory.mktemp("profile"), WINDOWLESS) as (context, _):
         yield context.browser
 
 
@@ -71,7 +71,7 @@ def assert_nothing_moves(crane, page):
 def test_the_page_shows_the_crane_as_it_stands(crane, opened):
     told = opened.page.evaluate("() => fetch('/scene.json').then((answer) => answer.json())")
     assert told["machine"] == opened.page.get_attribute("#scene", "data-machine") == "c180_hoses"
-    opened.wait(lambda: math.dist(opened.tip(), (5.5, 0.0, 1.0)) < SMALL_STEP)  # where the simulator begins
+    opened.wait(lambda: math.dist(opened.tip(), crane.ears.tip()) < SMALL_STEP)
 
 
 @pytest.mark.parametrize(

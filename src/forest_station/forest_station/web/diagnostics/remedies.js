@@ -1,5 +1,7 @@
 // What to do about a message of /diagnostics: docs/explanation/safety.md and docs/reference/codes.md say why.
 
+import { partName } from "../hands/stop_words.js";
+
 // The first entry whose pattern is found in the message.
 const REMEDIES = [
   [/^the graph starts/, "Wait some seconds. What is missing then is said here."],
@@ -18,7 +20,7 @@ const REMEDIES = [
   [/^joy/, "Look at the joystick's driver: it sends what /joy does not allow."],
   [/goes by itself/, "Shut off the hydraulics: a spool sticks or a pipe is torn."],
   [/^machine file/, "Stand clear. Start the graph anew with this crane's machine file; look at valves and sensors."],
-  [/^overload/, "Stand clear. Centre the sticks, then put the load down, or draw it in."],
+  [/^overload/, "Stand clear. Let go of the deadman, then put the load down, or draw it in."],
   [/^load:/, "Draw the load in, or put it down: then there is room again."],
   [/its sensor is frozen/, "Stand clear. Look at this joint's sensor and its cable, and whether the joint is stuck."],
   [/^joint state: .*(is .* rad|moves at|finite)/, "Look at this joint's sensor, its cable and its calibration."],
@@ -44,7 +46,17 @@ export function troubles(statuses) {
   const found = new Map(); // by level and text
   for (const { name, level, text } of statuses.filter(({ level }) => level !== "ok")) {
     const key = `${level} ${text}`;
-    found.set(key, { name: found.has(key) ? `${found.get(key).name}, ${name}` : name, level, text });
+    found.set(key, { names: [...(found.get(key)?.names ?? []), name], level, text });
   }
-  return [...found.values()].sort((a, b) => WORST_FIRST.indexOf(a.level) - WORST_FIRST.indexOf(b.level) || a.name.localeCompare(b.name));
+  const told = [...found.values()].map(({ names, level, text }) => ({ name: namesText(names), level, text }));
+  return told.sort((a, b) => WORST_FIRST.indexOf(a.level) - WORST_FIRST.indexOf(b.level) || a.name.localeCompare(b.name));
+}
+
+// Names of parts, "NODE: PART", as an operator calls the nodes; a part that all of them have is named once.
+function namesText(names) {
+  const found = names.map((name) => /^([^:]+): (.*)$/s.exec(name) ?? ["", name, ""]);
+  const [[, , part]] = found;
+  const nodes = found.map(([, node]) => partName(node));
+  if (names.length > 1 && part && found.every(([, , other]) => other === part)) return `${part}: ${nodes.join(", ")}`;
+  return found.map(([, , own], i) => (own ? `${nodes[i]}: ${own}` : nodes[i])).join(", ");
 }

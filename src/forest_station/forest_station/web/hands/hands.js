@@ -117,7 +117,7 @@ class Hands extends EventTarget {
 
   #tell(now) {
     const held = this.deadman.held;
-    const state = `${held} ${this.deadman.doubted} ${this.buttons} ${this.axes}`;
+    const state = `${held} ${this.deadman.doubted} ${this.buttons} ${this.axes} ${this.keyboard.speed}`;
     if (state !== this.state) this.dispatchEvent(new Event("change"));
     this.state = state;
     if (this.drives && this.#isDue(now, state, held)) this.#send(now, state, held);

@@ -1,7 +1,7 @@
 // The pressed keys, ramped; the deadman's key.
 
 import { CENTRED } from "./joy.js";
-import { DEADMAN_KEY, KEYS, OTHER_SHIFT, rampedAxes, wantedAxes } from "./keys.js";
+import { DEADMAN_KEY, FASTER_KEY, KEYS, OTHER_SHIFT, SLOWER_KEY, nextSpeed, rampedAxes, wantedAxes } from "./keys.js";
 
 const WRITES = "input:not([type=button], [type=checkbox], [type=radio], [type=range]), textarea, select, [contenteditable]";
 
@@ -11,6 +11,7 @@ export const isTyping = (event) => Boolean(event.target.closest?.(WRITES));
 export class Keyboard {
   #pressed = new Set();
   #axes = CENTRED;
+  speed = 1; // of `SPEEDS`
 
   constructor(changed) {
     window.addEventListener("keydown", (event) => this.#down(event, changed));
@@ -28,17 +29,19 @@ export class Keyboard {
 
   // The deflections `dt` seconds later.
   step(dt) {
-    this.#axes = rampedAxes(this.#axes, wantedAxes(this.#pressed), dt);
+    this.#axes = rampedAxes(this.#axes, wantedAxes(this.#pressed, this.speed), dt);
     return this.#axes;
   }
 
   #down(event, changed) {
     if (event.code === OTHER_SHIFT) this.#pressed.delete(DEADMAN_KEY); // Windows hides the release of one of two
     const { code, repeat, ctrlKey, altKey, metaKey } = event;
-    if (isTyping(event) || ctrlKey || altKey || metaKey || !(KEYS[code] || code === DEADMAN_KEY)) return;
+    const sets = code === SLOWER_KEY || code === FASTER_KEY;
+    if (isTyping(event) || ctrlKey || altKey || metaKey || !(KEYS[code] || code === DEADMAN_KEY || sets)) return;
     event.preventDefault(); // arrows would scroll
     if (repeat) return;
-    this.#pressed.add(code);
+    if (sets) this.speed = nextSpeed(this.speed, code);
+    else this.#pressed.add(code);
     changed();
   }
 

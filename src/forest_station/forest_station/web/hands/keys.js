@@ -11,6 +11,16 @@ export const KEYS = {
   ArrowDown: { axis: RIGHT_Y, sign: -1, label: "↓", does: "tip down" },
 };
 
+// No modifier: with Ctrl, Alt or Meta a browser takes W, A, S and D for its own, and Shift is the deadman.
+export const [SLOWER_KEY, FASTER_KEY] = ["KeyQ", "KeyE"];
+export const SPEEDS = [0.25, 0.5, 1]; // deflections that a pressed key asks for
+
+// The speed after a key, from `SPEEDS`.
+export function nextSpeed(speed, code) {
+  const place = SPEEDS.indexOf(speed) + (code === FASTER_KEY ? 1 : -1);
+  return SPEEDS[Math.min(SPEEDS.length - 1, Math.max(0, place))];
+}
+
 // A modifier: every keyboard reports it beside any other keys, and each event tells whether it is still down.
 export const DEADMAN_KEY = "ShiftLeft";
 export const OTHER_SHIFT = "ShiftRight";
@@ -19,10 +29,10 @@ export const STOP_KEYS = ["Escape", "Space"];
 const PRESS_PER_S = 2.5; // a full deflection in 0.4 s
 const RELEASE_PER_S = 8; // and back in 0.125 s
 
-// The deflections that pressed keys ask for.
-export function wantedAxes(pressed) {
+// The deflections that pressed keys ask for, at a speed.
+export function wantedAxes(pressed, speed = 1) {
   const axes = AXES.map(() => 0);
-  for (const code of pressed) if (KEYS[code]) axes[KEYS[code].axis] += KEYS[code].sign;
+  for (const code of pressed) if (KEYS[code]) axes[KEYS[code].axis] += speed * KEYS[code].sign;
   return axes;
 }
 

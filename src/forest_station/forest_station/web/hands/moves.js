@@ -11,3 +11,6 @@ export function moves(scheme, frame) {
   if (scheme === "joint") return JOINT;
   return frame === "cylindrical" ? AROUND : TIP;
 }
+
+// Whether the sticks move the tip along the carrier's directions.
+export const movesTip = (scheme, frame) => moves(scheme, frame) === TIP;

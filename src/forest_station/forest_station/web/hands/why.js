@@ -1,4 +1,4 @@
-// Who drives, how the deadman is, and why nothing moves: in words.
+// Who drives, how the deadman is, why nothing moves, and what to do next: in words; pure.
 
 import { ADVICE, isLateness } from "./late.js";
 
@@ -6,7 +6,7 @@ import { ADVICE, isLateness } from "./late.js";
 const JOINT = 2;
 const LIMITS = [
   "", "a joint's greatest speed", "", "a singular pose", "the flow of the pumps", "a wall", "",
-  "the load: inward, down and sideways are free", "an overload: centre the sticks, then put the load down", "the joystick's late link",
+  "the load: inward, down and sideways are free", "an overload: let go of the deadman, then put the load down", "the joystick's late link",
 ];
 
 export function driverText(seat) {
@@ -34,19 +34,26 @@ export function deadmanState(seat, here) {
   return { state: judged === "held" ? "waiting" : judged, text: "Deadman released" };
 }
 
+const CENTRE = "Let go of sticks and keys";
+
+// What a hand has to let go of first; "" for a hand at rest.
+function letGo({ held, doubted, deflected, grip }) {
+  if (held || doubted) return `Let go of ${grip}.`;
+  return deflected ? `${CENTRE}.` : "";
+}
+
 // What to do next for the deadman to count: one thing, and none that is done already.
-//
-// here: {held, doubted, deflected, grip} as for `whyText`.
-export function deadmanOrder({ deadman }, { held, doubted, deflected, grip }) {
-  if (doubted || (held && deadman.state === "waiting")) return `Let go of ${grip}.`;
+function deadmanOrder({ deadman }, here) {
+  const { held, doubted, deflected, grip } = here;
+  if (doubted || (held && deadman.state === "waiting")) return letGo(here);
   if (held) return ""; // the server is about to hear of it
-  if (deflected) return "Let go of sticks and keys: nothing moves without the deadman.";
+  if (deflected) return `${CENTRE}: nothing moves without the deadman.`;
   return deadman.state === "ready" ? `Hold ${grip}, then move a stick.` : "";
 }
 
 // A cause, if there is one, and what to do.
 function sentences(cause, remedy) {
-  const begun = cause && `${cause[0].toUpperCase()}${cause.slice(1)}`.replace(/[^.]$/, "$&.");
+  const begun = cause && `${cause[0].toUpperCase()}${cause.slice(1)}`.replace(/[^.?]$/, "$&.");
   return [begun, remedy].filter(Boolean).join(" ");
 }
 
@@ -64,31 +71,43 @@ export function standingCause(parts, logged, now) {
 
 export const isStanding = (text) => STANDING.test(text);
 
-// Why nothing moves, or not as fast as it was told to, and the one thing to do next; "" if nothing is in the way.
+// What is in the way, or slows the tip, and the one thing to do next: {text, order, moves}. `text` holds the order, too;
+// "" if nothing is in the way; `moves`: a stick would move the tip.
 //
 // seat: the newest message, or null; here: {held, doubted, why} of this page's deadman, {deflected}: a stick or a key is
 // away from its centre, {grip}: what is held here to drive, {often}: hands came too late lately, its id, {you}, and how it
-// lost the server, {lost}; stopped: the emergency stop is active; status: armed, factor and limit of controller/status, NaN
-// where unknown, and {axis}: at its limit, "" if nobody knows; cause: why the controller stands still, "" if nobody knows.
-export function whyText(seat, here, stopped, status, cause = "") {
-  if (!seat) return here.lost || "The page asks for the crane. If this lasts: does scripts/station.sh run?";
-  if (stopped) return ""; // its own panel says so
-  if (seat.why_not) return seat.why_not;
-  if (seat.asking.includes(here.you)) return `${seat.driver} is asked to hand over.`;
-  if (!seat.you_drive) return seat.driver === null ? "Take the seat to drive." : "";
-  if (deadmanState(seat, here).state !== "held") return notHeldText(seat, here);
-  if (status.armed === 0) return sentences(cause && `the controller stopped: ${cause}`, here.deflected ? "Let go of sticks and keys." : "");
-  if (!(status.factor < 1)) return "";
-  const percent = Math.round(100 * status.factor);
-  const held = percent === 0 ? "Held back" : `Slowed to ${percent} %`;
-  if (status.limit === JOINT) return `${held}: the ${status.axis ? `${status.axis} ` : ""}joint ${percent === 0 ? "is at" : "nears"} its limit.`;
-  return LIMITS[status.limit] ? `${held} by ${LIMITS[status.limit]}.` : "";
+// lost the server, {lost}; stopped: the emergency stop is active; status: {disarmed}: the controller lets no stick move
+// anything, for more than a moment, factor and limit of controller/status, NaN where unknown, and {axis}: at its limit, ""
+// if nobody knows; cause: why the controller stands still, "" if nobody knows.
+export function adviceFor(seat, here, stopped, status, cause = "") {
+  const said = (text, order = "") => ({ text: sentences(text, order), order, moves: false });
+  if (!seat) return said(here.lost || "The page asks for the crane. If this lasts: does scripts/station.sh run?");
+  if (stopped) return { ...said("", seat.you_drive ? letGo(here) || "Press Reset." : ""), text: "" }; // the stop's own line says it
+  if (seat.why_not) return said(seat.why_not);
+  if (seat.asking.includes(here.you)) return said(`${seat.driver} is asked to hand over.`);
+  if (!seat.you_drive) return said("", seat.driver === null ? "Take the seat to drive." : "");
+  if (deadmanState(seat, here).state !== "held") return notHeld(seat, here, said);
+  if (status.disarmed) return said(cause && `the controller stopped: ${cause}`, disarmedOrder(here, cause));
+  return { text: slowedText(status), order: "", moves: true };
 }
 
 // Who is often too late needs another computer's time more than another press.
-function notHeldText(seat, here) {
+function notHeld(seat, here, said) {
   const cause = here.why || seat.deadman.cause;
   const order = deadmanOrder(seat, here);
   const pressed = here.held || here.doubted;
-  return sentences(cause, here.often && isLateness(cause) && !pressed ? ADVICE : order);
+  return { ...said(cause, here.often && isLateness(cause) && !pressed ? ADVICE : order), order };
+}
+
+// Centred sticks arm a controller, but not behind a trouble: then the deadman is to be let go.
+function disarmedOrder(here, cause) {
+  return here.deflected && !cause ? letGo({ deflected: true }) : letGo(here);
+}
+
+function slowedText({ factor, limit, axis }) {
+  if (!(factor < 1)) return "";
+  const percent = Math.round(100 * factor);
+  const held = percent === 0 ? "Held back" : `Slowed to ${percent} %`;
+  if (limit === JOINT) return `${held}: the ${axis ? `${axis} ` : ""}joint ${percent === 0 ? "is at" : "nears"} its limit.`;
+  return LIMITS[limit] ? `${held} by ${LIMITS[limit]}.` : "";
 }

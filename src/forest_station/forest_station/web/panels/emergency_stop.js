@@ -1,9 +1,11 @@
 // The emergency stop: always in sight, for everybody who has the page open.
 
 import { make, makeButton } from "../elements.js";
+import { adviceOf } from "../hands/advice.js";
 import { handsOf } from "../hands/hands.js";
 import { isTyping } from "../hands/keyboard.js";
 import { STOP_KEYS } from "../hands/keys.js";
+import { refusalText, stopText } from "../hands/stop_words.js";
 import { messageLineOf } from "../message_line.js";
 
 export const place = "top";
@@ -19,7 +21,9 @@ class EmergencyStop {
     this.wanted = false; // until a server has confirmed it
     this.told = { active: false, sources: [] };
     this.note = ""; // what became of a request, until the next news
+    this.blamed = false; // whether the note blames hands that are not at rest: it ends when they are
     this.drives = false;
+    this.advice = adviceOf(station);
     this.button = makeButton("EMERGENCY STOP", ({ detail }) => detail === 0 && this.stop(), "stop");
     this.button.addEventListener("pointerdown", () => this.stop()); // its click comes only with the release
     this.button.setAttribute("aria-keyshortcuts", STOP_KEYS.join(" "));
@@ -36,6 +40,7 @@ class EmergencyStop {
       this.drives = drives;
       this.#show();
     });
+    this.advice.addEventListener("change", () => this.#lookAtHands());
     this.#show();
   }
 
@@ -50,9 +55,23 @@ class EmergencyStop {
 
   async reset() {
     const { held, doubted } = this.hands.deadman;
-    if (held || doubted) return this.#tell("Not reset: let go of the deadman first.");
+    if (held || doubted) return this.#refuse("let go of the deadman first.");
     const { ok, text } = await this.station.ask("reset_emergency_stop");
-    this.#tell(ok ? "" : `Not reset: ${text}`);
+    return ok ? this.#tell("") : this.#refuse(text);
+  }
+
+  #refuse(why) {
+    this.#tell(refusalText(why), !this.#atRest());
+  }
+
+  #atRest() {
+    const { held, doubted } = this.hands.deadman;
+    return !held && !doubted && !this.hands.deflected;
+  }
+
+  #lookAtHands() {
+    if (this.blamed && this.#atRest()) this.#tell("");
+    else this.#show();
   }
 
   #hear(told) {
@@ -61,17 +80,16 @@ class EmergencyStop {
     this.#show();
   }
 
-  #tell(note) {
-    this.note = note;
+  #tell(note, blamed = false) {
+    Object.assign(this, { note, blamed });
     this.#show();
   }
 
   #show() {
-    const { active, sources } = this.told;
+    const { active } = this.told;
     this.element.classList.toggle("active", active);
-    const parts = sources.map(({ name, state }) => `${name}: ${state}`).join(", ");
-    const rest = `Nothing moves until it is reset${this.drives ? "" : " by who drives"}. ${parts}`;
-    this.line.say("stop", active ? `STOPPED. ${this.note || rest}` : this.note, "bad");
+    const { note, drives, advice } = this;
+    this.line.say("stop", stopText(this.told, { note, drives, order: advice.said.order }), "bad");
     this.resetButton.hidden = !active;
   }
 }

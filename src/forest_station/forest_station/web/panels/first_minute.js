@@ -1,47 +1,39 @@
 // The first minute: a square to drive along, and what to do next, in one sentence at a time.
 
 import { make, makeButton, setText } from "../elements.js";
-import { SIDE, after, begun, isDone, result, side, squareAt, way } from "../exercise/square.js";
-import { resultText, wayText } from "../exercise/words.js";
+import { SIDE, after, begun, isDone, result, side, squareAt } from "../exercise/square.js";
+import { exerciseText } from "../exercise/words.js";
+import { adviceOf } from "../hands/advice.js";
 import { handsOf } from "../hands/hands.js";
-import { deadmanOrder, deadmanState } from "../hands/why.js";
+import { movesTip } from "../hands/moves.js";
 
 export const place = "left";
 export const title = "First minute";
 
 const FINGERS = matchMedia("(pointer: coarse)").matches;
-const STOP = FINGERS ? "The red button" : "The space bar";
 const TIP = ["tip/pose/x", "tip/pose/y", "tip/pose/z"];
 
 export function mount(element, station) {
   keepInSight(element.parentElement);
-  new FirstMinute(element, station, handsOf(station));
+  new FirstMinute(element, station);
 }
 
 class FirstMinute {
-  constructor(element, station, hands) {
-    this.station = station;
-    this.hands = hands;
+  constructor(element, station) {
+    Object.assign(this, { station, hands: handsOf(station), advice: adviceOf(station) });
     this.attempt = null;
     this.best = NaN; // least mean distance of the attempts before this one [m]
-    this.seat = { driver: null, you_drive: false, deadman: { state: "waiting", cause: "" } };
-    this.stopped = false;
+    this.movesTip = true;
     this.text = make("p", { role: "status" });
     this.begins = makeButton("Mark a square", () => this.#begin());
     this.ends = makeButton("Take the square away", () => this.#end());
     element.append(this.text, this.begins, this.ends);
-    station.on("seat", (seat) => {
-      this.seat = seat;
-      this.#show();
-    });
-    station.on("emergency_stop", ({ active }) => {
-      this.stopped = active;
-      this.#show();
-    });
     station.on("frame", ({ time }) => this.#follow(time));
-    hands.addEventListener("change", () => this.#show());
     station.on("replay", () => this.#end()); // it is the live crane's
-    for (const kind of ["open", "close"]) station.on(kind, () => this.#show());
+    station.on("parameters", ({ nodes: { controller = {} } }) => {
+      this.movesTip = movesTip(controller.scheme?.value, controller.axis_frame?.value);
+    });
+    this.advice.addEventListener("change", () => this.#show());
     this.#show();
   }
 
@@ -66,7 +58,7 @@ class FirstMinute {
   #follow(time) {
     if (!this.attempt || isDone(this.attempt)) return;
     const before = this.attempt.side;
-    this.attempt = after(this.attempt, this.#tip(), time);
+    this.attempt = after(this.attempt, this.#tip(), time, this.hands.deflected);
     if (this.attempt.side !== before) this.#draw();
     else this.#show();
   }
@@ -80,34 +72,14 @@ class FirstMinute {
   }
 
   #show() {
-    const done = this.attempt && isDone(this.attempt);
+    const { attempt, best, movesTip: moves, advice } = this;
+    const { seat, stopped, said } = advice;
+    const done = attempt && isDone(attempt);
     setText(this.begins, done ? "Mark another square" : "Mark a square");
-    this.begins.hidden = Boolean(this.attempt) && !done;
-    this.ends.hidden = !this.attempt;
-    setText(this.text, this.#sentence());
-  }
-
-  #sentence() {
-    if (!this.station.connected) return "Without a connection nothing can be driven.";
-    if (this.stopped) return "Stopped: Reset, at the top, ends that.";
-    if (!this.attempt) {
-      return `Mark a square at the crane's tip, and drive along it. ${STOP} stops everything.`;
-    }
-    if (isDone(this.attempt)) {
-      return resultText(result(this.attempt), this.best);
-    }
-    if (!this.seat.you_drive) {
-      return this.seat.driver === null ? "Nobody drives: take the seat, at the top." : "Somebody else drives: ask for control, at the top.";
-    }
-    return this.#instruction();
-  }
-
-  #instruction() {
-    const number = `Edge ${this.attempt.side + 1} of 4`;
-    const { deadman, deflected, grip } = this.hands;
-    const here = { held: deadman.held, doubted: deadman.doubted, deflected, grip };
-    if (deadmanState(this.seat, here).state !== "held") return `${number} waits. ${deadmanOrder(this.seat, here)}`.trim();
-    return `${number}: ${wayText(way(this.attempt, this.#tip()), FINGERS)}`;
+    this.begins.hidden = Boolean(attempt) && !done;
+    this.ends.hidden = !attempt;
+    const tip = this.#tip();
+    setText(this.text, exerciseText({ attempt, tip, best, advice: said, stopped, seat, fingers: FINGERS, movesTip: moves }));
   }
 }
 

@@ -18,11 +18,15 @@ export function mount(element, station) {
   const right = stick(hands, "right", RIGHT_X, RIGHT_Y, ["up", "↑"], ["down", "↓"]);
   const deadman = makeHoldButton("HOLD TO DRIVE", (pressed) => hands.hold(BUTTON, pressed));
   deadman.append(make("small", {}, "deadman: this button, ", make("kbd", {}, "left Shift"), ", or a gamepad's left shoulder"));
-  element.append(left.pad, deadman, right.pad);
+  const speed = make("b");
+  const keys = make("small", { className: "speed" }, "keys push a stick by ", speed, " · ", make("kbd", {}, "Q"), " less · ",
+    make("kbd", {}, "E"), " more");
+  element.append(left.pad, make("div", { className: "middle" }, deadman, keys), right.pad);
   let counts = false; // for the server, which judges
   const show = () => {
     left.show(hands.axes[LEFT_X], hands.axes[LEFT_Y]);
     right.show(hands.axes[RIGHT_X], hands.axes[RIGHT_Y]);
+    setText(speed, `${100 * hands.keyboard.speed} %`);
     const { held } = hands.deadman;
     deadman.dataset.state = held ? (counts ? "held" : "pressed") : "released";
     deadman.setAttribute("aria-pressed", held);
@@ -32,6 +36,7 @@ export function mount(element, station) {
     for (const { name } of [left, right]) name(words);
   });
   hands.addEventListener("change", show);
+  show();
   station.on("seat", (seat) => {
     counts = seat.you_drive && seat.deadman.state !== "waiting";
     show();

@@ -52,3 +52,10 @@ export function rateText(rate, share) {
   const figure = `${rate} ${rate === 1 ? "picture" : "pictures"}/s, ${Math.round(100 * share)} % sharp`;
   return rate < SLOW ? `${figure}: click to stop` : figure;
 }
+
+// Why there is no picture, and what to do.
+export function failureText(text) {
+  const options = "--use-angle=swiftshader --enable-unsafe-swiftshader";
+  const remedy = /WebGL/.test(text) ? ` Without a graphics processor start Chromium with ${options}.` : "";
+  return `The crane cannot be drawn: ${text.replace(/[^.]$/, "$&.")}${remedy}`;
+}

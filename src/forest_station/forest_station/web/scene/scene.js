@@ -4,7 +4,7 @@
 import { standingCause } from "../hands/why.js";
 import { Cameras } from "./cameras.js";
 import { Labels } from "./labels.js";
-import { legend, rateText, viewButtons } from "./overlay.js";
+import { failureText, legend, rateText, viewButtons } from "./overlay.js";
 
 const FINEST = 2; // pixels of the screen per pixel of the page: more cannot be seen at 1 m
 const WALLS = ["workspace", "tip_speed"]; // parameters of the controller that the scene depends on
@@ -36,7 +36,7 @@ class View {
     element.append(viewButtons(this.cameras), legend());
     this.painter = new Worker("/web/scene/painter.js", { type: "module" });
     this.painter.onmessage = ({ data }) => this.#hear(data);
-    this.painter.onerror = () => this.#fail("The crane cannot be drawn here.");
+    this.painter.onerror = () => this.#fail("its painter did not start.");
     const offscreen = canvas.transferControlToOffscreen();
     this.painter.postMessage({ kind: "start", canvas: offscreen, scene }, [offscreen]);
     this.#follow();
@@ -207,7 +207,7 @@ class View {
 
   #fail(text) {
     this.station.drawing = false;
-    this.rate.textContent = `The crane cannot be drawn: ${text}`;
+    this.rate.textContent = failureText(text);
     this.rate.classList.add("failed");
     this.element.dataset.failed = text;
   }
