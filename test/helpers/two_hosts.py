@@ -59,7 +59,7 @@ class Outcome(NamedTuple):
 
 
 class TwoHosts:
-    """The two halves of a graph, on hosts that are joined; the operator's begins when the machine tells its state.
+    """The two halves of a graph, on joined hosts; the operator's begins when the machine tells its state.
 
     Args:
         start: starts a process.
