@@ -481,6 +481,7 @@ LONGEST_WAY = """async (fingers) => {
 CUT = """([selector, texts]) => {
   const element = document.querySelector(selector);
   const before = element.textContent;
+  if (element.dataset.tone) element.dataset.tone = "warn"; // a hint's letters are thinner
   const cut = texts.filter((text) => {
     element.textContent = text;
     return element.scrollHeight > element.clientHeight + 1;

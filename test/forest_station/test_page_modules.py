@@ -401,9 +401,12 @@ def test_no_tree_stands_between_the_side_camera_and_the_crane(js: Js, width: int
     assert 0 < reach < 1  # the farthest the crane reaches is in the picture
 
 
-def test_the_camera_follows_the_tip_of_an_exercise_below_the_text_until_somebody_drags(js: Js) -> None:
+@pytest.mark.parametrize("covered", [0.3, 0.5])
+def test_the_camera_follows_the_tip_of_an_exercise_below_the_text_until_somebody_drags(
+    js: Js, covered: float
+) -> None:
     look = """(cameras) => {
-      cameras.covered = 0.3;
+      cameras.covered = COVERED;
       const corners = [[5, 0, 1], [5.8, 0, 1], [5.8, 0.8, 1], [5, 0.8, 1]];
       cameras.watch(corners, 0.8);
       const seen = (points) => {
@@ -427,12 +430,14 @@ def test_the_camera_follows_the_tip_of_an_exercise_below_the_text_until_somebody
       cameras.step(100, 0, [5, 0, 1]);
       return [views, stays, cameras.following];
     }"""
-    views, stays, follows = js("scene/cameras.js", CAMERAS, [SCENE, 390, 550, look])
+    views, stays, follows = js(
+        "scene/cameras.js", CAMERAS, [SCENE, 390, 550, look.replace("COVERED", str(covered))]
+    )
     for view in views:
         for x, y in view:
             assert -1 < x < 1
-            assert -1 < y < 1 - 2 * 0.3  # below what covers the upper 30 %
-        assert view[-1] == pytest.approx([0.0, -0.3], abs=1e-3)  # the middle of what is left
+            assert -1 < y < 1 - 2 * covered  # below what covers the upper part
+        assert view[-1] == pytest.approx([0.0, -covered], abs=1e-3)  # the middle of what is left
     assert stays < 0.1
     assert follows  # the button of the view brings it back
 
