@@ -442,6 +442,18 @@ def test_the_camera_follows_the_tip_of_an_exercise_below_the_text_until_somebody
     assert follows  # the button of the view brings it back
 
 
+def test_an_exercise_is_drawn_as_much_smaller_as_text_leaves_less_of_the_picture(js: Js) -> None:
+    look = """(cameras) => [0, 0, 0.25, 0.5].map((covered) => {
+      cameras.covered = covered;
+      cameras.watch(null);
+      cameras.watch([[5, 0, 1], [5.8, 0, 1], [5.8, 0.8, 1], [5, 0.8, 1]], 0.8);
+      cameras.step(100, 0, [5, 0, 1]);
+      return cameras.camera.position.distanceTo(cameras.controls.target);
+    })"""
+    _, whole, *distances = js("scene/cameras.js", CAMERAS, [SCENE, 390, 550, look])
+    assert distances == pytest.approx([whole / 0.75, whole / 0.5], rel=0.01)
+
+
 def test_the_sticks_say_what_they_move_in_each_scheme_and_frame(js: Js) -> None:
     words = """(m) => [[], ["coordinated", "cylindrical"], ["joint", "cartesian"]].map((chosen) => {
       const { away, left, up } = m.moves(...chosen);
