@@ -192,17 +192,18 @@ def test_a_limit_that_lets_nothing_through_is_no_slowing_to_nothing(js: Js) -> N
     why = """(m, [limit, axis]) => {
       const seat = { you_drive: true, driver: "you", asking: [], deadman: { state: "held" } };
       const told = (factor) => m.adviceFor(seat, { held: true }, false, { factor, limit, axis }).text;
-      return [0, 0.004, 0.28].map(told);
+      return [0, 0.004, 0.28, 0.997].map(told);
     }"""
     held = "Held back by the flow of the pumps."
     assert js("hands/why.js", why, [Limit.FLOW, ""]) == [
         held,
         held,
         "Slowed to 28 % by the flow of the pumps.",
+        "",
     ]
     held = "Held back: the boom joint is at its limit."
     told = js("hands/why.js", why, [Limit.JOINT, "boom"])
-    assert told == [held, held, "Slowed to 28 %: the boom joint nears its limit."]
+    assert told == [held, held, "Slowed to 28 %: the boom joint nears its limit.", ""]
     assert js("hands/why.js", why, [Limit.JOINT, ""])[0] == "Held back: the joint is at its limit."
 
 
