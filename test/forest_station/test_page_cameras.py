@@ -22,6 +22,11 @@ C180 = load_machine("c180_hoses")
 BAG = {"name": "mine", "bytes": 2000, "modified": 0, "seconds": 1.0}
 BACK = 3.0  # [px] within which a label is where it was
 STANDS = 200  # [px] of the beams' colour from which on a crane stands there
+# The colours as drawn: without labels, also while no new poses come.
+BARE = """([visibility, filter]) => {
+  document.querySelector("#scene .labels").style.visibility = visibility;
+  document.querySelector("#scene canvas").style.filter = filter;
+}"""
 AWAY = 20.0  # [px] from which on it is elsewhere
 # Where the picture shows the middle of the reach, and of the tip's height [px].
 PLACES = """() => [...document.querySelectorAll("#scene .label.figure")].map((label) => {
@@ -54,10 +59,15 @@ class Picture:
 
     def shown(self) -> tuple[bool, int]:
         """Return whether anything is drawn, and how many pixels before the vehicle have the beams' colour."""
-        picture = np.array(Image.open(io.BytesIO(self.page.locator("#scene canvas").screenshot())), dtype=int)
+        picture = self.pixels()
         height, width, _ = picture.shape
         seen = picture[height // 7 : height * 3 // 4, width // 2 :]  # no buttons, no banner
         return bool(np.ptp(seen) > 20), np.count_nonzero(seen[..., 0] > seen[..., 2] + 10)
+
+    def pixels(self) -> Any:
+        """Return the picture, and what lies over it: rows of columns of red, green and blue."""
+        shot = self.page.locator("#scene canvas").screenshot()
+        return np.array(Image.open(io.BytesIO(shot)), dtype=int)[..., :3]
 
     def settled(self) -> list[list[float]]:
         """Return where the labels are once they stay there: at first the page finds its size."""
@@ -208,6 +218,27 @@ def test_two_fingers_pinched_go_away_and_moved_together_shift_the_picture(phone:
     farther = phone.settled()
     phone.move_fingers(((-30, 0), (-30, 50)), ((30, 0), (30, 50)))
     phone.wait(lambda places: all(y - was > AWAY for (_, y), (_, was) in zip(places, farther, strict=True)))
+
+
+def test_on_a_phone_a_marked_square_is_seen_in_the_middle_of_what_its_text_leaves(phone: Picture) -> None:
+    page = phone.page
+    page.get_by_role("button", name="Mark a square").click()
+    page.wait_for_selector("text=drive here")
+    phone.settled()
+    bottom = """() => {
+      const { offsetTop, offsetHeight } = document.querySelector("#scene > #first_minute");
+      return offsetTop + offsetHeight;
+    }"""
+    page.evaluate(BARE, ["hidden", "none"])
+    picture = phone.pixels()
+    page.evaluate(BARE, ["", ""])
+    red, green, blue = picture[..., 0], picture[..., 1], picture[..., 2]
+    rows = np.nonzero((red > 200) & (green > 200) & (blue < 150))[0]  # of the square's lines
+    height = len(picture)
+    assert len(rows) > STANDS / 4
+    middle = 0.5 * (rows.min() + rows.max())
+    assert middle == pytest.approx(0.5 * (page.evaluate(bottom) + height), abs=0.05 * height)
+    page.get_by_role("button", name="Take the square away").click()
 
 
 def test_a_recording_and_the_live_crane_are_never_shown_for_each_other(desktop: Picture) -> None:

@@ -15,7 +15,9 @@ from forest_station.operator.hands_message import Hands
 
 RIGHT_X = JOY_AXES.index("right_x")
 CENTRED = (0.0,) * AXIS_COUNT
-SIGNALS = (("controller/status/armed", "1"),)
+SIGNALS = (("controller/status/armed", "1"), *((f"tip/pose/{axis}", "m") for axis in "xyz"))
+TIP = (5.0, 0.0, 1.0)  # [m]
+CHOICE = {"type": "str", "text": "", "live": True, "choices": ["joint", "coordinated"]}
 PAUSED_S = 3600  # of the page's clock: later than a page takes to open
 GAMEPAD = """
 window.pads = [];
@@ -351,16 +353,46 @@ def test_a_controller_that_arms_is_no_trouble_and_one_that_stays_disarmed_says_w
     wait(met, lambda hands: hands.held)
     met.tell_seat(deadman=("held", ""))
     page.keyboard.down("w")
-    met.send_frame(1, 0.0, [0.0])
+    met.send_frame(1, 0.0, [0.0, *TIP])
     page.clock.run_for(200)
     page.wait_for_selector(".deadman[data-state=held]")
     order = "Let go of sticks and keys."
     assert order not in page.inner_text("#message")
     page.clock.run_for(400)
     page.wait_for_selector(f"#message :text('{order}')")
-    met.send_frame(2, 0.1, [1.0])
+    met.send_frame(2, 0.1, [1.0, *TIP])
     page.clock.run_for(300)
     assert order not in page.inner_text("#message")
+    met.tell("welcome", you="operator 1", signals=[])
+
+
+def test_the_exercise_tells_a_wrong_way_while_it_is_pushed_and_sticks_that_move_joints(
+    met: PageStandIn,
+) -> None:
+    page, (x, y, z) = met.page, TIP
+    met.tell("welcome", you="operator 1", signals=SIGNALS)
+    met.send_frame(1, 0.0, [1.0, *TIP])
+    page.get_by_role("button", name="Mark a square").click()
+    met.tell_seat(deadman=("ready", ""))
+    page.keyboard.down("Shift")
+    wait(met, lambda hands: hands.held)
+    met.tell_seat(deadman=("held", ""))
+    page.wait_for_selector("#first_minute :text('push the left stick away, or press W: 0.8 m to go')")
+    page.keyboard.down("s")
+    page.clock.run_for(300)
+    for number, way in ((2, -0.02), (3, -0.2)):
+        met.send_frame(number, 0.1 * number, [1.0, x + way, y, z])
+    page.wait_for_selector("#first_minute :text('this is the wrong way: push the left stick away')")
+    page.keyboard.up("s")
+    page.clock.run_for(300)
+    met.send_frame(4, 0.4, [1.0, x - 0.2, y, z])
+    right = "Edge 1 of 4: push the left stick away, or press W: 1.0 m to go"
+    page.wait_for_selector(f"#first_minute :text('{right}')")
+    for scheme, told in (("joint", "waits. Set Scheme to"), ("coordinated", "push the left stick away")):
+        met.tell("parameters", nodes={"controller": {"scheme": CHOICE | {"value": scheme}}})
+        page.clock.run_for(300)
+        page.wait_for_selector(f"#first_minute :text('Edge 1 of 4'):text('{told}')")
+    page.get_by_role("button", name="Take the square away").click()
     met.tell("welcome", you="operator 1", signals=[])
 
 
@@ -481,6 +513,7 @@ LONGEST_WAY = """async (fingers) => {
 CUT = """([selector, texts]) => {
   const element = document.querySelector(selector);
   const before = element.textContent;
+  if (element.dataset.tone) element.dataset.tone = "warn"; // a hint's letters are thinner
   const cut = texts.filter((text) => {
     element.textContent = text;
     return element.scrollHeight > element.clientHeight + 1;
@@ -590,12 +623,5 @@ def test_a_stop_of_a_recording_shows_at_once_that_it_was_heard(met: PageStandIn)
 
 def test_the_sticks_are_named_anew_with_the_scheme(met: PageStandIn) -> None:
     for scheme, words in (("joint", "stick out"), ("coordinated", "away")):
-        set_to = {
-            "value": scheme,
-            "type": "str",
-            "text": "",
-            "live": True,
-            "choices": ["joint", "coordinated"],
-        }
-        met.tell("parameters", nodes={"controller": {"scheme": set_to}})
+        met.tell("parameters", nodes={"controller": {"scheme": CHOICE | {"value": scheme}}})
         met.page.wait_for_selector(f"#left_stick .away span:text('{words}')")

@@ -192,17 +192,18 @@ def test_a_limit_that_lets_nothing_through_is_no_slowing_to_nothing(js: Js) -> N
     why = """(m, [limit, axis]) => {
       const seat = { you_drive: true, driver: "you", asking: [], deadman: { state: "held" } };
       const told = (factor) => m.adviceFor(seat, { held: true }, false, { factor, limit, axis }).text;
-      return [0, 0.004, 0.28].map(told);
+      return [0, 0.004, 0.28, 0.997].map(told);
     }"""
     held = "Held back by the flow of the pumps."
     assert js("hands/why.js", why, [Limit.FLOW, ""]) == [
         held,
         held,
         "Slowed to 28 % by the flow of the pumps.",
+        "",
     ]
     held = "Held back: the boom joint is at its limit."
     told = js("hands/why.js", why, [Limit.JOINT, "boom"])
-    assert told == [held, held, "Slowed to 28 %: the boom joint nears its limit."]
+    assert told == [held, held, "Slowed to 28 %: the boom joint nears its limit.", ""]
     assert js("hands/why.js", why, [Limit.JOINT, ""])[0] == "Held back: the joint is at its limit."
 
 
@@ -401,9 +402,12 @@ def test_no_tree_stands_between_the_side_camera_and_the_crane(js: Js, width: int
     assert 0 < reach < 1  # the farthest the crane reaches is in the picture
 
 
-def test_the_camera_follows_the_tip_of_an_exercise_below_the_text_until_somebody_drags(js: Js) -> None:
+@pytest.mark.parametrize("covered", [0.3, 0.5])
+def test_the_camera_follows_the_tip_of_an_exercise_below_the_text_until_somebody_drags(
+    js: Js, covered: float
+) -> None:
     look = """(cameras) => {
-      cameras.covered = 0.3;
+      cameras.covered = COVERED;
       const corners = [[5, 0, 1], [5.8, 0, 1], [5.8, 0.8, 1], [5, 0.8, 1]];
       cameras.watch(corners, 0.8);
       const seen = (points) => {
@@ -427,14 +431,28 @@ def test_the_camera_follows_the_tip_of_an_exercise_below_the_text_until_somebody
       cameras.step(100, 0, [5, 0, 1]);
       return [views, stays, cameras.following];
     }"""
-    views, stays, follows = js("scene/cameras.js", CAMERAS, [SCENE, 390, 550, look])
+    views, stays, follows = js(
+        "scene/cameras.js", CAMERAS, [SCENE, 390, 550, look.replace("COVERED", str(covered))]
+    )
     for view in views:
         for x, y in view:
             assert -1 < x < 1
-            assert -1 < y < 1 - 2 * 0.3  # below what covers the upper 30 %
-        assert view[-1] == pytest.approx([0.0, -0.3], abs=1e-3)  # the middle of what is left
+            assert -1 < y < 1 - 2 * covered  # below what covers the upper part
+        assert view[-1] == pytest.approx([0.0, -covered], abs=1e-3)  # the middle of what is left
     assert stays < 0.1
     assert follows  # the button of the view brings it back
+
+
+def test_an_exercise_is_drawn_as_much_smaller_as_text_leaves_less_of_the_picture(js: Js) -> None:
+    look = """(cameras) => [0, 0, 0.25, 0.5].map((covered) => {
+      cameras.covered = covered;
+      cameras.watch(null);
+      cameras.watch([[5, 0, 1], [5.8, 0, 1], [5.8, 0.8, 1], [5, 0.8, 1]], 0.8);
+      cameras.step(100, 0, [5, 0, 1]);
+      return cameras.camera.position.distanceTo(cameras.controls.target);
+    })"""
+    _, whole, *distances = js("scene/cameras.js", CAMERAS, [SCENE, 390, 550, look])
+    assert distances == pytest.approx([whole / 0.75, whole / 0.5], rel=0.01)
 
 
 def test_the_sticks_say_what_they_move_in_each_scheme_and_frame(js: Js) -> None:

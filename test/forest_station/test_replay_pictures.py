@@ -51,7 +51,7 @@ def test_while_it_plays_the_clock_waits_for_the_pictures_where_there_are_some(js
 
 # Draws frames of tips one after another, from above, each an episode of its own if that is wanted; counts the
 # pixels of the last picture that are as white as the trail.
-PAINTED = """async (_, [scene, names, frames, apart]) => {
+PAINTED = """async (_, [scene, names, frames, times, apart]) => {
   const canvas = document.createElement("canvas");
   const [width, height] = [600, 600];
   const painter = new Worker("/web/scene/painter.js", { type: "module" });
@@ -65,10 +65,11 @@ PAINTED = """async (_, [scene, names, frames, apart]) => {
     const drawn = new Promise((resolve, reject) => {
       painter.onmessage = ({ data }) => {
         if (data.kind === "failed") reject(data.text);
-        if (data.time === number) resolve();
+        if (data.time === times[number]) resolve();
       };
     });
-    painter.postMessage({ kind: "frame", time: number, values: Float32Array.from(values), live: true });
+    const frame = { kind: "frame", time: times[number], values: Float32Array.from(values) };
+    painter.postMessage({ ...frame, live: true });
     await drawn;
   }
   await new Promise((resolve) => requestAnimationFrame(() => requestAnimationFrame(resolve)));
@@ -87,9 +88,15 @@ LINE = 30  # [px] of a trail over some metres, at the least
 def test_the_trail_does_not_lead_from_the_live_crane_into_a_recording(js: Js) -> None:
     tips = (start_tip(C180), (4.0, 3.0, 1.0))
     frames = [[*tip, *pose_at(tip, C180)] for tip in tips]
-    alone, on, cut = (
-        js("scene/colours.js", PAINTED, [scene_of(C180), NAMES, seen, apart])
-        for seen, apart in ((frames[1:], True), (frames, False), (frames, True))
+    alone, on, cut, back = (
+        js("scene/colours.js", PAINTED, [scene_of(C180), NAMES, seen, times, apart])
+        for seen, times, apart in (
+            (frames[1:], [0], True),
+            (frames, [0, 1], False),
+            (frames, [0, 1], True),
+            (frames, [1, 0], False),  # a jump to an earlier moment
+        )
     )
     assert on > alone + LINE
     assert abs(cut - alone) < LINE / 2
+    assert abs(back - alone) < LINE / 2

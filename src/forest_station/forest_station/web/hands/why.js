@@ -105,8 +105,8 @@ function disarmedOrder(here, cause) {
 }
 
 function slowedText({ factor, limit, axis }) {
-  if (!(factor < 1)) return "";
   const percent = Math.round(100 * factor);
+  if (!(percent < 100)) return "";
   const held = percent === 0 ? "Held back" : `Slowed to ${percent} %`;
   if (limit === JOINT) return `${held}: the ${axis ? `${axis} ` : ""}joint ${percent === 0 ? "is at" : "nears"} its limit.`;
   return LIMITS[limit] ? `${held} by ${LIMITS[limit]}.` : "";
