@@ -540,7 +540,7 @@ def test_scheme_and_gains_can_be_set_while_it_moves_and_nonsense_is_refused(rig,
         assert not found.successful
         assert said in found.reason
     r.joy_timer.cancel()
-    peer.until(r.standing)
+    peer.until(lambda: r.standing() and not is_armed(r.statuses[-1]))
     assert answer("workspace", "c180").successful
     assert r.process.poll() is None
 

@@ -401,10 +401,14 @@ def test_keys_are_slowed_and_sped_up_while_they_are_pressed_and_the_page_tells_b
 ) -> None:
     page = met.page
     page.keyboard.down("w")
-    wait(met, lambda hands: hands.axes[LEFT_Y] == 1.0)
+
+    def pushed_by(share: float) -> None:
+        wait(met, lambda hands: hands.axes[LEFT_Y] == share)
+
+    pushed_by(1.0)
     for key, share in (("q", 0.5), ("q", 0.25), ("q", 0.25), ("e", 0.5), ("e", 1.0)):
         page.keyboard.press(key)
-        wait(met, lambda hands, wanted=share: hands.axes[LEFT_Y] == wanted)  # type: ignore[misc]
+        pushed_by(share)
         page.wait_for_selector(f"#sticks .speed :text-is('{100 * share:.0f} %')")
     page.keyboard.up("w")
     wait(met, lambda hands: hands.axes == CENTRED)

@@ -236,7 +236,14 @@ class Problem:
     def moves_of_inputs(
         self, theta: Floats, predicted: Columns, jacobian: Jacobian, redrawn: Sequence[Columns]
     ) -> tuple[list[Floats], Floats]:
-        """Return how each draw of the inputs' noise moves theta, and theta's errors without it."""
+        """Return how each draw of the inputs' noise moves theta, and theta's standard errors without it.
+
+        Args:
+            theta: all parameters [P], as the search has them: a positive one as its logarithm.
+            predicted: there, each column [N] in its channel's unit.
+            jacobian: derivatives of the columns there, a mapping for each parameter.
+            redrawn: columns predicted with the noise drawn once more.
+        """
         information, gradient = self.normal(theta, predicted, jacobian)
         spread = covariance_of(information + self.known)
         moves = [spread @ (self.normal(theta, after, jacobian)[1] - gradient) for after in redrawn]

@@ -5,8 +5,10 @@ import { isDone, result, way } from "./square.js";
 const OFF = 0.15; // [m] beside, above or below the side, from which on the tip is to be brought back
 const [TO_GO, BESIDE, HIGH, LOW] = ["to go", "beside the edge", "too high", "too low"];
 
-// The panel's sentence. attempt: or null; tip: [x, y, z] [m]; best: least mean distance of the attempts before [m], NaN for
-// none; advice: of hands/why.js; stopped: the emergency stop is active; seat: or null; fingers: of a person who has no keys; movesTip: sticks
+// The panel's sentence.
+//
+// attempt: or null; tip: [x, y, z] [m]; best: least mean distance of the attempts before [m], NaN for none; advice: of
+// hands/why.js; stopped: the emergency stop is active; seat: or null; fingers: of a person who has no keys; movesTip: sticks
 // move the tip along the sides of the square.
 export function exerciseText({ attempt, tip, best, advice, stopped, seat, fingers, movesTip }) {
   if (!seat) return "Without a connection nothing can be driven.";
