@@ -24,6 +24,8 @@ def tell(what):
         diary.write(f"{name} {what}\\n")
 def end(code):
     tell("ended")
+    if "stuck" in words:
+        os.kill(os.getpid(), signal.SIGALRM)
     sys.exit(code)
 def terminate(*_):
     if "hangs" in words:
@@ -310,6 +312,14 @@ def test_a_node_that_still_loads_when_it_is_told_to_stop_ends_well(graph_of, tol
     with running(graph, told):
         pass
     assert graph.exit_codes == {"simulator": 0}
+
+
+def test_a_node_that_the_middleware_did_not_let_go_has_ended_well(graph_of, told, capsys):
+    graph = graph_of(simulator="stuck ends=0", valve_driver="stuck")
+    with running(graph, told):
+        graph.run(until="simulator")
+    assert graph.exit_codes == {"simulator": 0, "valve_driver": 0}
+    assert capsys.readouterr().err == ""
 
 
 def test_a_node_that_hangs_is_killed_named_and_zero_is_said_after_it(

@@ -1,5 +1,6 @@
 """A node for the tests of the frame: publishes joints at 200 Hz and has last words."""
 
+import ctypes
 import gc
 import sys
 from typing import Annotated, NamedTuple
@@ -17,6 +18,7 @@ FAULTS = {"bug": ZeroDivisionError("a bug"), "failure": NodeFailure("pump is gon
 
 class TalkerParameters(NamedTuple):
     fault: Annotated[str, Parameter("what goes wrong", choices=("", *FAULTS))] = ""
+    hangs: Annotated[bool, Parameter("the middleware never lets the node go")] = False
     loop: Annotated[str, Parameter("how a loop of its own ends", choices=("", "wait", "return", *FAULTS))] = (
         ""
     )
@@ -25,7 +27,7 @@ class TalkerParameters(NamedTuple):
 class Talker(Node):
     def __init__(self):
         super().__init__("talker")
-        self.fault, loop = declare(self, TalkerParameters)
+        self.fault, self.hangs, loop = declare(self, TalkerParameters)
         if loop:
             self.run = lambda stopping: self.keep_time(loop, stopping)
         self.joints = publisher(self, topics.JOINT_STATES)
@@ -56,6 +58,11 @@ class Talker(Node):
         self.voltages.publish(messages.float_array(topics.VALVE_VOLTAGES, 0, (0.0, 0.0, 0.0)))
         self.voltages.wait_for_all_acked(Duration(seconds=1))
         print("last words", flush=True)
+
+    def destroy_node(self):
+        while self.hangs:
+            ctypes.PyDLL(None).pause()  # with the interpreter locked, as rclpy waits in a destructor
+        super().destroy_node()
 
 
 def main():

@@ -63,6 +63,12 @@ class _Process(NamedTuple):
         """Where a byte releases it."""
         return cast("IO[bytes]", self.popen.stdin)
 
+    @property
+    def exit_code(self) -> int:
+        """Of a process that has ended. Whom the middleware did not let go had done all (`runtime.node`)."""
+        code: int = self.popen.returncode
+        return 0 if code == -signal.SIGALRM else code
+
 
 class Supervisor:
     """A running graph; use as a context manager, which always leaves no process behind.
@@ -134,9 +140,9 @@ class Supervisor:
         """
         while not self._stop_requested:
             for process in self._processes:
-                code = process.popen.poll()
-                if code is None or process.spec.name in self._finished:
+                if process.popen.poll() is None or process.spec.name in self._finished:
                     continue
+                code = process.exit_code
                 if process.spec.name == until and code == 0:
                     self._finished.add(until)
                     return
@@ -159,7 +165,7 @@ class Supervisor:
             if process.spec.name not in COMMANDING and process.popen.poll() is None:
                 process.popen.send_signal(signal.SIGTERM)
             hung = not _wait_or_kill(process.popen) or hung
-            code = process.popen.returncode
+            code = process.exit_code
             # Who still loads when told to stop has no handler yet: it ends as it was told.
             self.exit_codes[process.spec.name] = 0 if code == -signal.SIGTERM else code
             if self.exit_codes[process.spec.name] and process in alive:

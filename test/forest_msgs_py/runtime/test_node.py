@@ -93,6 +93,13 @@ def test_a_node_that_is_done_ends_with_0(talker):
     assert "last words" in process.text()
 
 
+def test_a_node_that_the_middleware_does_not_let_go_ends_and_tells_where_it_was(talker):
+    process = talker("-p", "fault:=done", "-p", "hangs:=true")
+    assert process.ended() == -signal.SIGALRM
+    assert "last words" in process.text()
+    assert "in destroy_node" in process.text()
+
+
 @pytest.mark.parametrize(
     ("end", "code", "words"),
     [

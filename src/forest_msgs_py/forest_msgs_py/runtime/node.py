@@ -6,6 +6,7 @@ exit code    meaning
 0            asked to stop (SIGINT, SIGTERM), or done (``Finished``)
 1            an exception in a callback, or a ``NodeFailure``
 2            could not start: a parameter, a name or a file is wrong
+-SIGALRM     all was done, and then the middleware did not let the node go
 ===========  ===============================================================================================
 
 A node that defines ``stop()`` is given its last words: it is called once, before the node is destroyed, while
@@ -50,6 +51,7 @@ from forest_msgs_py.runtime.environment import (
 from forest_msgs_py.runtime.static_executor import StaticExecutor
 
 LAST_WORDS = 0.1  # [s]
+LEAVING = 2.0  # [s] for a node to leave the graph; on a loaded host it takes up to 0.4
 STOP_SIGNALS = (signal.SIGINT, signal.SIGTERM)
 
 
@@ -120,6 +122,8 @@ def run_node(factory: Callable[[], Node], args: Sequence[str] | None = None) -> 
             return 2
         gc.freeze()  # else a collection looks through all that was made at the start, for up to 0.15 s
         code = _spin(node, signals)
+        if code == 0:
+            _limit_leaving()
         node.destroy_node()
         return code
     finally:
@@ -166,6 +170,16 @@ def _spin(node: Node, signals: _StopSignals) -> int:
     )  # what was said in a thread of the node's, too, as the last batch of a lockstep run
     executor.shutdown(timeout_sec=0.0)
     return code
+
+
+def _limit_leaving() -> None:
+    """Have the kernel end the process, which tells where it was, if it does not end by itself.
+
+    Fast DDS can deadlock while a participant goes (its issue 6502), with Python's interpreter locked: no
+    thread of ours could act. The others miss such a node when its lease has run out.
+    """
+    faulthandler.register(signal.SIGALRM, chain=True)
+    signal.setitimer(signal.ITIMER_REAL, LEAVING)
 
 
 class _Loop:
