@@ -132,6 +132,14 @@ class Machine(ParameterSet):
                 f"{where}.deadband_voltage ({valve.deadband_voltage:g} V): a valve with a compensator must "
                 f"not be underlapped; allowed: at least 0 V, backward too"
             )
+        flow = 0.0 if isinstance(pump, IdealPump) else pump.flow_limit
+        taken = given.minimum_resistance * flow**2
+        if taken >= pump.supply_pressure:
+            raise MachineError(
+                f"{where}.compensator.minimum_resistance ({given.minimum_resistance:g} Pa*s2/m6) takes "
+                f"{taken:g} Pa at the pump's full flow; allowed: less than pump.supply_pressure "
+                f"({pump.supply_pressure:g} Pa)"
+            )
         if isinstance(pump, LoadSensingPump):
             used = given.setting + (given.control_range if given.kind == "after_spool" else 0.0)
             if used >= pump.margin:
@@ -189,6 +197,7 @@ class Machine(ParameterSet):
         for name, link, torque, of in zip(AXES, given, (motor, boom, stick), what, strict=True):
             if link is not None:
                 link.require_stiff(f"{name}.elasticity", torque, of)
+                link.require_springy(f"{name}.elasticity")
 
     def _check_joints(self) -> None:
         """Raise unless boom and stick go where the kinematics are made for."""

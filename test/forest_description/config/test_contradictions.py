@@ -85,6 +85,18 @@ ENGINE = """pump:
 ROOT = "    damping: = 0 N*m*s/rad\n    root_inertia: = 90 kg*m2\n"
 OTHERS = [
     (
+        "forwarder",
+        "valve:\n  compensator:\n    minimum_resistance: = 5e16 Pa*s2/m6\n",
+        4,
+        "valve.compensator.minimum_resistance (5e+16 Pa*s2/m6) takes",
+    ),
+    (
+        "forwarder",
+        "boom:\n  elasticity:\n    damping: = 1e9 N*m*s/rad\n",
+        4,
+        "boom.elasticity.damping (1e+09 N*m*s/rad): the link would creep rather than swing; allowed: below",
+    ),
+    (
         "c180_hoses",
         CAPACITY.format(reach="4, 8", load="900, 500"),
         3,
