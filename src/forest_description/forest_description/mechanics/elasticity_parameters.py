@@ -29,6 +29,14 @@ class Elasticity(ParameterSet):
                 f"allowed: below {critical:.4g} N*m*s/rad, the critical damping of root_inertia on stiffness"
             )
 
+    def require_light(self, name: str, carried: float) -> None:
+        """Raise unless the root is lighter than what the link carries, itself included [kg m^2]."""
+        if self.root_inertia >= carried:
+            raise MachineError(
+                f"{name}.root_inertia ({self.root_inertia:g} kg*m2): more than the outstretched crane has "
+                f"about this joint; allowed: below {carried:.4g} kg*m2"
+            )
+
     def require_stiff(self, name: str, torque: float, what: str) -> None:
         """Raise unless a torque [N m] deflects the link by little.
 
