@@ -10,12 +10,14 @@ import functools
 import math
 from dataclasses import dataclass
 from pathlib import Path
+from typing import NamedTuple
 
 from forest_description.config import schema, source_tree
 from forest_description.config.parameter import MachineError, ParameterSet, parameter
 from forest_description.config.units import UNITS
 from forest_description.geometry.linkage import Linkage
 from forest_description.hydraulics.hose import GeometricHose, Hose, Line, MeasuredHose
+from forest_description.hydraulics.load_holding_parameters import CounterbalanceValve, RuptureValve
 from forest_description.hydraulics.oil import Oil
 from forest_description.hydraulics.pump import IdealPump, LoadSensingPump, Pump
 from forest_description.hydraulics.tank_line_parameters import TankLine
@@ -30,6 +32,24 @@ from forest_description.types import AXES
 
 OWN_SECTIONS = ("valve", "hose")
 """What an axis may have of its own instead of what all share."""
+
+
+class _Part(NamedTuple):
+    """What an outstretched crane carries: mass [kg], distance from a joint [m], inertia [kg m^2]."""
+
+    mass: float
+    distance: float
+    inertia: float
+
+
+def _farther(parts: tuple[_Part, ...], by: float) -> tuple[_Part, ...]:
+    """Return parts as seen from a joint farther in by a length [m]."""
+    return tuple(part._replace(distance=part.distance + by) for part in parts)
+
+
+def _moment(parts: tuple[_Part, ...], m: Manipulator) -> float:
+    """Return the moment [N m] of parts' weights about their joint."""
+    return m.gravity * sum(part.mass * part.distance for part in parts)
 
 
 @dataclass(frozen=True)
@@ -114,12 +134,23 @@ class Machine(ParameterSet):
             )
 
     def _check_holding(self, name: str, drive: SwingDrive | CylinderDrive) -> None:
-        """Raise if a load-holding valve has no oil of its own behind it, or a relief valve undoes it."""
+        """Raise if a load-holding valve has no oil of its own behind it, or if no pressure pilots it open."""
         for port, valve in (("holding_1", drive.holding_1), ("holding_2", drive.holding_2)):
             if valve is not None and drive.chambers is None:
                 raise MachineError(
                     f"{name}.chambers is null, but {name}.{port} holds the oil in them; allowed: both, or "
                     f"neither"
+                )
+            if valve is None or isinstance(valve, RuptureValve):
+                continue
+            balance = drive.area_ratio if port == "holding_1" else 1.0 / drive.area_ratio
+            helped = balance if isinstance(valve, CounterbalanceValve) else -balance
+            least = valve.setting / self.pump.supply_pressure - helped
+            if valve.pilot_ratio <= least:
+                raise MachineError(
+                    f"{name}.{port}.setting ({valve.setting:g} Pa): without a load the pump's full pressure "
+                    f"on the other side does not open it with {name}.{port}.pilot_ratio "
+                    f"({valve.pilot_ratio:g}); allowed: a pilot_ratio above {least:.4g}, or a lower setting"
                 )
 
     def _check_compensator(self, where: str, valve: Valve) -> None:
@@ -131,6 +162,14 @@ class Machine(ParameterSet):
             raise MachineError(
                 f"{where}.deadband_voltage ({valve.deadband_voltage:g} V): a valve with a compensator must "
                 f"not be underlapped; allowed: at least 0 V, backward too"
+            )
+        flow = 0.0 if isinstance(pump, IdealPump) else pump.flow_limit
+        taken = given.minimum_resistance * flow**2
+        if taken >= pump.supply_pressure:
+            raise MachineError(
+                f"{where}.compensator.minimum_resistance ({given.minimum_resistance:g} Pa*s2/m6) takes "
+                f"{taken:g} Pa at the pump's full flow; allowed: less than pump.supply_pressure "
+                f"({pump.supply_pressure:g} Pa)"
             )
         if isinstance(pump, LoadSensingPump):
             used = given.setting + (given.control_range if given.kind == "after_spool" else 0.0)
@@ -174,21 +213,21 @@ class Machine(ParameterSet):
     def _check_elasticity(self) -> None:
         """Raise unless the links give way by little under the crane's own weight and the swing's motor."""
         m = self.manipulator
-        head, whole = m.head_mass, m.boom_length + m.stick_length
-        stick = m.gravity * (m.stick_mass * abs(m.stick_x) + head * m.stick_length)
-        boom = m.gravity * (
-            m.boom_mass * abs(m.boom_x) + m.stick_mass * (m.boom_length + abs(m.stick_x)) + head * whole
-        )
+        stick = _Part(m.stick_mass, abs(m.stick_x), m.stick_zz), _Part(m.head_mass, m.stick_length, 0.0)
+        boom = _Part(m.boom_mass, abs(m.boom_x), m.boom_zz), *_farther(stick, m.boom_length)
+        whole = _Part(m.base_mass, abs(m.base_x), m.base_zz), *_farther(boom, m.base_offset)
         motor = self.swing.gear_ratio * self.swing.motor_displacement * self.pump.supply_pressure
-        what = (
-            "the motor at pump.supply_pressure",
-            "the outstretched crane's weight",
-            "the level stick's weight",
-        )
-        given = self.swing.elasticity, self.boom.elasticity, self.stick.elasticity
-        for name, link, torque, of in zip(AXES, given, (motor, boom, stick), what, strict=True):
+        for name, link, parts, torque, of in (
+            ("swing", self.swing.elasticity, whole, motor, "the motor at pump.supply_pressure"),
+            ("boom", self.boom.elasticity, boom, _moment(boom, m), "the outstretched crane's weight"),
+            ("stick", self.stick.elasticity, stick, _moment(stick, m), "the level stick's weight"),
+        ):
             if link is not None:
                 link.require_stiff(f"{name}.elasticity", torque, of)
+                link.require_light(
+                    f"{name}.elasticity", sum(p.inertia + p.mass * p.distance**2 for p in parts)
+                )
+                link.require_springy(f"{name}.elasticity")
 
     def _check_joints(self) -> None:
         """Raise unless boom and stick go where the kinematics are made for."""

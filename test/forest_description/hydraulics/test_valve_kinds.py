@@ -172,7 +172,7 @@ def test_a_small_opening_of_an_underlapped_valve_is_a_small_voltage_of_its_sign(
         ({"curve": PolynomialCurve((1e3, *[-1e-11] * CURVE_SIZE))}, "curve.coefficients: 1 too many"),
         ({"deadband_voltage": 5.0, "rated_voltage": 4.0}, "deadband_voltage .* rated_voltage"),
         ({"backward": BackwardValve(5.0, 1e12), "rated_voltage": 4.0}, r"backward\.deadband_voltage \(5 V\)"),
-        ({"port_2_area": 0.0}, r"Valve\.port_2_area: 0 1 is outside"),
+        ({"port_2_area": 0.0}, r"Valve\.port_2_area: 0 is outside"),
         ({"leakage_conductance": -1e-12}, r"Valve\.leakage_conductance"),
         ({"spool_damping": 0.0}, r"Valve\.spool_damping"),
     ],

@@ -7,11 +7,11 @@ import pytest
 from forest_description.machine import load_machine
 from forest_sim.analysis.machine_check import warnings
 
-C180 = load_machine("c180_hoses")
+C180, FORWARDER = load_machine("c180_hoses"), load_machine("forwarder")
 
 
-def changed(section, **numbers):
-    return dataclasses.replace(C180, **{section: dataclasses.replace(getattr(C180, section), **numbers)})
+def changed(section, base=C180, **numbers):
+    return dataclasses.replace(base, **{section: dataclasses.replace(getattr(base, section), **numbers)})
 
 
 def sensors(kind, **numbers):
@@ -26,12 +26,18 @@ def inertia(link, about, xx):
     return changed("manipulator", **{f"{link}_xx": xx, f"{link}_yy": yy, f"{link}_zz": zz})
 
 
+def holding(port, pressure, hysteresis):
+    """The forwarder with a counterbalance valve of another setting and hysteresis [Pa] in its boom."""
+    valve = dataclasses.replace(FORWARDER.boom.holding_1, setting=pressure, hysteresis=hysteresis)
+    return changed("boom", FORWARDER, **{port: valve})
+
+
 def told(machine):
     return [text for text in warnings(machine) if "one lump" not in text]
 
 
 def test_the_shipped_machines_have_nothing_else_than_their_hoses_to_warn_of():
-    for name in ("c180_hoses", "loader"):
+    for name in ("c180_hoses", "loader", "c180", "forwarder"):
         assert told(load_machine(name)) == []
 
 
@@ -49,14 +55,49 @@ def test_the_shipped_machines_have_nothing_else_than_their_hoses_to_warn_of():
             ["boom_yy, boom_zz: about its centre of mass, 635.04 kg", "about the joint?"],
         ),
         (inertia("stick", 2.0, 332.0), ["stick_yy, stick_zz: about its centre"]),
+        (
+            changed("chassis", FORWARDER, mass=13.5),
+            [
+                "chassis: its 13.5 kg do not hold the empty crane: margin -",
+                "against tipping over (left) with",
+            ],
+        ),
+        (
+            holding("holding_1", 10e6, 1e6),
+            [
+                "boom: holding the crane still takes 1",
+                "its counterbalance valve's reseating pressure of 9.0 MPa",
+            ],
+        ),
+        (
+            holding("holding_1", 30e6, 20e6),
+            [
+                "its counterbalance valve's reseating pressure of 10.0 MPa",
+                "boom.holding_1: the oil that it shuts in may come to its setting, 30.0 MPa, above the port",
+            ],
+        ),
     ],
-    ids=["resolver", "transducer", "pressure", "boom's inertia", "stick's inertia"],
+    ids=[
+        "resolver",
+        "transducer",
+        "pressure",
+        "boom's inertia",
+        "stick's inertia",
+        "chassis",
+        "setting under the load",
+        "setting over the relief",
+    ],
 )
 def test_what_is_not_wise_is_told(machine, parts):
     found = "\n".join(told(machine))
     assert found
     for part in parts:
         assert part in found
+
+
+def test_a_valve_at_the_unloaded_side_may_open_early():
+    """Under its own weight a boom presses its head side alone."""
+    assert told(holding("holding_2", 5e6, 1e6)) == []
 
 
 def test_a_resolver_that_ends_on_one_side_only_is_told():

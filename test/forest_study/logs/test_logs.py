@@ -47,6 +47,13 @@ def test_one_person_has_no_interval():
     assert np.isnan(difference([9.0], [10.0]).p)
 
 
+def test_where_there_is_no_interval_none_is_shown(told):
+    _, _, table, page = told
+    assert "nan" not in table
+    assert "± nan" not in page
+    assert "(two persons or more give an interval)" in table
+
+
 def run_here(study, store, *_):
     """Run a study in this process; `test_sweep` has it run by workers."""
     todo = [one for one in runs(study) if one.number not in store.done()]

@@ -24,7 +24,12 @@ class Parameter(NamedTuple):
     @property
     def range(self) -> str:
         """The allowed range as text, for messages."""
-        return f"{self.low:g} .. {self.high:g} {self.unit}"
+        return f"{self.low:g} .. {in_unit(self.high, self.unit)}"
+
+
+def in_unit(value: float, unit: str) -> str:
+    """Return a number with its unit as people write it: a pure number has none."""
+    return f"{value:g}" if unit == "1" else f"{value:g} {unit}"
 
 
 class Choice(NamedTuple):
@@ -141,7 +146,7 @@ def _checked(where: str, value: object, allowed: Parameter) -> float:
     if isinstance(value, bool) or not isinstance(value, (int, float)) or not math.isfinite(value):
         raise MachineError(f"{where}: {value!r} is not a finite number [{allowed.unit}]")
     if not allowed.low <= value <= allowed.high:
-        raise MachineError(f"{where}: {value:g} {allowed.unit} is outside {allowed.range}")
+        raise MachineError(f"{where}: {in_unit(value, allowed.unit)} is outside {allowed.range}")
     return float(value)
 
 

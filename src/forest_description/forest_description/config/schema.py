@@ -19,6 +19,7 @@ from forest_description.config.parameter import (
     MachineError,
     Parameter,
     choice_of,
+    in_unit,
     may_be_left_out,
     parameter_of,
 )
@@ -186,8 +187,10 @@ def _in_range(where: str, given: float, unit_name: str, unit: Unit, allowed: Par
     """Return a number in SI."""
     value = given * unit.factor
     if not allowed.low <= value <= allowed.high:
-        converted = "" if unit.factor == 1.0 else f" ({value:g} {allowed.unit})"
-        raise MachineError(f"{where} = {given:g} {unit_name}{converted} is outside the range {allowed.range}")
+        converted = "" if unit.factor == 1.0 else f" ({in_unit(value, allowed.unit)})"
+        raise MachineError(
+            f"{where} = {in_unit(given, unit_name)}{converted} is outside the range {allowed.range}"
+        )
     return value
 
 

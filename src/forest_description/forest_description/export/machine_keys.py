@@ -58,7 +58,8 @@ Numbers that contradict each other are refused, too:
   sharing without a load-sensing pump
 - flow forces on a spool without lag, without oil, or that take half of its stroke
 - leakage that follows an overlap, without overlap or without leakage
-- load holding without `chambers`; a counterbalance valve whose hysteresis is above its setting
+- load holding without `chambers`; a counterbalance valve whose hysteresis is above its setting; one
+  that the pump's full pressure on the other side does not open
 - a rod side larger than the head side; swapped limits; boom angles beyond ±180°
 - a stroke that passes a dead point of the linkage, or is longer than the retracted cylinder
 - a port relief below the pump's or the anti-cavitation pressure; a main relief below the pump's
@@ -66,13 +67,16 @@ Numbers that contradict each other are refused, too:
 - a compensator band above the pump's pressure or the load-sensing margin
 - one of the swash plate's two times alone; a torque that does not even hold the pump's pressure
 - an engine that stalls before it gives its greatest torque
+- an open compensator that takes all of the pump's pressure at its full flow
 - a tank line that takes all of the pump's pressure at its full flow
 - friction whose `smoothing_speed` is above its `stribeck_speed`; seals that pressure alone would
   hold
 - breaking away that is easier than sliding, or takes over 0.01 rad, or more than the motor has
 - a gear whose play is wider than the swing's travel
-- links that the crane's weight, or a column that the motor, would deflect by over 0.1 rad
+- links that the crane's weight, or a column that the motor, would deflect by over 0.1 rad; links
+  that are damped beyond swinging, or whose root is heavier than all that it carries
 - a rotator as heavy as its head, or with its centre beyond its end; a log off a hanging head's axis
+- a vehicle whose centre of mass lies beyond its wheels or legs
 - a load chart that grows with the reach, or ends before the crane's own reach
 
 What is possible and not wise, `forest-sim check` warns of.
@@ -128,10 +132,7 @@ def _row(name: str, field: FieldKind) -> str:
     if field.allowed is not None:
         unit = ", ".join(units_for(field.allowed.unit))
         row = "row of numbers, each " if field.row else ""
-        low, high = f"{field.allowed.low:g}", f"{field.allowed.high:g}"
-        return (
-            f"| `{name}` | {unit} | {row}{low} .. {high} {field.allowed.unit}{null} | {field.allowed.doc} |"
-        )
+        return f"| `{name}` | {unit} | {row}{field.allowed.range}{null} | {field.allowed.doc} |"
     if field.choice is not None:
         return f"| `{name}` | | {', '.join(field.choice.words)}{null} | {field.choice.doc} |"
     if not _is_section(field):

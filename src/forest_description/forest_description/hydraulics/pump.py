@@ -26,7 +26,7 @@ class Engine(ParameterSet):
     """Diesel engine whose governor lets the speed droop; a pump without one turns at constant speed."""
 
     inertia: float = parameter("kg*m2", 0.01, 1e3, "of crankshaft, flywheel and pumps")
-    droop: float = parameter("1", 1e-3, 1.0, "share of shaft_speed lost from no load to greatest torque")
+    droop: float = parameter("1", 1e-3, 0.5, "share of shaft_speed lost from no load to greatest torque")
     torque: float = parameter("N*m", 1.0, 1e5, "greatest that it gives, as far as engine_power allows")
     stall_speed: float = parameter("rad/s", 1.0, 1000.0, "below it the engine stalls: it gives no torque")
 
@@ -147,7 +147,8 @@ class _ControlledPump(_RealPump):
             if self.engine.stall_speed >= drooped:
                 raise MachineError(
                     f"engine.stall_speed ({self.engine.stall_speed:g} rad/s) must be below the speed at "
-                    f"greatest torque ({drooped:g} rad/s): the engine would stall before it gives it"
+                    f"greatest torque ({drooped:g} rad/s, by engine.droop of shaft_speed): the engine "
+                    f"would stall before it gives it"
                 )
 
     def _require_torque(self, name: str, torque: float, efficiency: float) -> None:

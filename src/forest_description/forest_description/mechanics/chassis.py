@@ -25,6 +25,6 @@ class Chassis(ParameterSet):
         super().__post_init__()
         if not -self.behind < self.centre_ahead < self.ahead:
             raise MachineError(
-                f"chassis.centre_ahead ({self.centre_ahead:g} m): the vehicle falls over by itself; allowed: "
+                f"centre_ahead ({self.centre_ahead:g} m): the vehicle falls over by itself; allowed: "
                 f"between {-self.behind:g} m and {self.ahead:g} m, where it stands"
             )

@@ -151,6 +151,11 @@ class SwingDrive(ParameterSet):
             travel = self.upper_limit - self.lower_limit
             require_order("backlash.free_way", self.backlash.free_way, "the swing's travel", travel, "rad")
 
+    @property
+    def area_ratio(self) -> float:
+        """Pressure [1] that keeps port 1 in balance, without a load, over port 2's."""
+        return 1.0
+
 
 @dataclass(frozen=True)
 class CylinderDrive(ParameterSet):
@@ -226,6 +231,11 @@ class CylinderDrive(ParameterSet):
         """Joint angles [rad] with the cylinder retracted and extended."""
         ends = (self.retracted_length, self.retracted_length + self.stroke)
         return joint_angle(ends[0], self.linkage), joint_angle(ends[1], self.linkage)
+
+    @property
+    def area_ratio(self) -> float:
+        """Pressure [1] that keeps port 1 in balance, without a load, over port 2's."""
+        return self.rod_area / self.head_area
 
     @property
     def linkage(self) -> Linkage:

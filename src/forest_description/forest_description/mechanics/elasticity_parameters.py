@@ -1,5 +1,6 @@
 """How boom and stick bend, and how the column under them twists."""
 
+import math
 from dataclasses import dataclass
 
 from forest_description.config.parameter import MachineError, ParameterSet, parameter
@@ -18,6 +19,23 @@ class Elasticity(ParameterSet):
     root_inertia: float = parameter(
         "kg*m2", 1e-2, 1e5, "of what turns with the joint before the link gives way"
     )
+
+    def require_springy(self, name: str) -> None:
+        """Raise unless the root swings on the link's stiffness; critically damped it would creep."""
+        critical = 2.0 * math.sqrt(self.stiffness * self.root_inertia)
+        if self.damping >= critical:
+            raise MachineError(
+                f"{name}.damping ({self.damping:g} N*m*s/rad): the link would creep rather than swing; "
+                f"allowed: below {critical:.4g} N*m*s/rad, the critical damping of root_inertia on stiffness"
+            )
+
+    def require_light(self, name: str, carried: float) -> None:
+        """Raise unless the root is lighter than what the link carries, itself included [kg m^2]."""
+        if self.root_inertia >= carried:
+            raise MachineError(
+                f"{name}.root_inertia ({self.root_inertia:g} kg*m2): more than the outstretched crane has "
+                f"about this joint; allowed: below {carried:.4g} kg*m2"
+            )
 
     def require_stiff(self, name: str, torque: float, what: str) -> None:
         """Raise unless a torque [N m] deflects the link by little.

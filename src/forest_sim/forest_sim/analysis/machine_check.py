@@ -1,6 +1,7 @@
 """What a machine file amounts to: the components it chooses, and figures that tell whether they fit."""
 
 import dataclasses
+import itertools
 import math
 from collections.abc import Iterator
 
@@ -8,6 +9,7 @@ from forest_description.config.parameter import choice_of, fields_of, parameter_
 from forest_description.derived.actuator_kinematics import rated_speeds
 from forest_description.derived.limits import joint_limits, workspace_limits
 from forest_description.derived.line_bandwidth import one_lump_warnings
+from forest_description.derived.tip_over import Margins, tip_over_margins
 from forest_description.hydraulics.load_holding_parameters import CounterbalanceValve
 from forest_description.machine import Machine
 from forest_description.types import AXES, Vec3
@@ -61,29 +63,52 @@ def full_speeds(machine: Machine, angles: Vec3) -> dict[str, tuple[float, float]
 
 def warnings(machine: Machine) -> list[str]:
     """Return what is allowed but not wise; each a sentence."""
+    return [
+        *_load_warnings(machine),
+        *_setting_warnings(machine),
+        *_play_warnings(machine),
+        *_sensor_warnings(machine),
+        *_inertia_warnings(machine),
+        *_tip_over_warnings(machine),
+        *_hose_warnings(machine),
+    ]
+
+
+def _load_warnings(machine: Machine) -> Iterator[str]:
+    """Give a sentence for each pressure of the resting crane that something does not hold."""
     p = plant_parameters(machine)
-    found = []
     for place, name in ((1, "boom"), (2, "stick")):
-        highest, boom, stick = max(_holding_pressures(machine, place))
-        where = f"with the boom at {math.degrees(boom):.0f} and the stick at {math.degrees(stick):.0f} deg"
-        for limit, whose in (
-            (p.supply.set_pressure, "the pump's"),
-            (p.guard.relief_pressure, "the relief valve's"),
-            (_counterbalance_setting(machine, place), "its counterbalance valve's"),
-        ):
-            if highest > limit:
-                found.append(
-                    f"{name}: holding the crane still takes {highest / MPA:.1f} MPa {where}, "
-                    f"more than {whose} {limit / MPA:.1f} MPa"
+        poses, drive = list(_holding_pressures(machine, place)), machine.drives[place]
+        for port, valve in enumerate((drive.holding_1, drive.holding_2)):
+            highest, boom, stick = max((pose[port], *pose[2:]) for pose in poses)
+            limits = [(p.supply.set_pressure, "the pump's"), (p.guard.relief_pressure, "the relief valve's")]
+            if isinstance(valve, CounterbalanceValve):
+                reseats = valve.setting - valve.hysteresis
+                limits.append((reseats, "its counterbalance valve's reseating pressure of"))
+            where = (
+                f"with the boom at {math.degrees(boom):.0f} and the stick at {math.degrees(stick):.0f} deg"
+            )
+            for limit, whose in limits:
+                if highest > limit:
+                    yield (
+                        f"{name}: holding the crane still takes {highest / MPA:.1f} MPa {where}, "
+                        f"more than {whose} {limit / MPA:.1f} MPa"
+                    )
+
+
+def _setting_warnings(machine: Machine) -> Iterator[str]:
+    """Give a sentence for each counterbalance valve that protects its actuator less than the port relief."""
+    if machine.port_valves is None:
+        return
+    relief = machine.port_valves.relief_pressure
+    for place, axis in enumerate(AXES):
+        drive = machine.drives[place]
+        for port, valve in (("holding_1", drive.holding_1), ("holding_2", drive.holding_2)):
+            if isinstance(valve, CounterbalanceValve) and valve.setting > relief:
+                yield (
+                    f"{axis}.{port}: the oil that it shuts in may come to its setting, "
+                    f"{valve.setting / MPA:.1f} MPa, above the port relief valve's {relief / MPA:.1f} MPa"
                 )
-    found += _play_warnings(machine)
-    return found + _sensor_warnings(machine) + _inertia_warnings(machine) + _hose_warnings(machine)
-
-
-def _counterbalance_setting(machine: Machine, place: int) -> float:
-    """Return the least load pressure [Pa] that opens a counterbalance valve of a cylinder; inf: none does."""
-    valves = (machine.drives[place].holding_1, machine.drives[place].holding_2)
-    return min((v.setting for v in valves if isinstance(v, CounterbalanceValve)), default=math.inf)
 
 
 def _play_warnings(machine: Machine) -> list[str]:
@@ -148,14 +173,39 @@ def _inertia_warnings(machine: Machine) -> list[str]:
     return found
 
 
-def _holding_pressures(machine: Machine, place: int) -> Iterator[Vec3]:
-    """Give a resting cylinder's greater pressure [Pa] over the joint limits, with boom and stick angle."""
+def _tip_over_warnings(machine: Machine) -> list[str]:
+    """Return a sentence if the crane tips its vehicle over with nothing in its head."""
+    if machine.chassis is None:
+        return []
+    limits = joint_limits(machine)
+    worst, side, (swing, boom, stick) = min(
+        (margin, side, pose)
+        for pose in itertools.product(_spread(limits[0]), _spread(limits[1]), _spread(limits[2]))
+        for side, margin in zip(
+            Margins._fields, tip_over_margins(machine.chassis, machine.manipulator, pose, 0.0), strict=True
+        )
+    )
+    if worst >= 0.0:
+        return []
+    told = (
+        f"chassis: its {machine.chassis.mass:g} kg do not hold the empty crane: margin {worst:.2f} against "
+        f"tipping over ({side}) with the swing at {math.degrees(swing):.0f}, the boom at "
+        f"{math.degrees(boom):.0f} and the stick at {math.degrees(stick):.0f} deg"
+    )
+    return [told]
+
+
+def _spread(limits: tuple[float, float]) -> list[float]:
+    """Return angles [rad] over a joint's way, both ends among them."""
+    return [limits[0] + (limits[1] - limits[0]) * k / GRID for k in range(GRID + 1)]
+
+
+def _holding_pressures(machine: Machine, place: int) -> Iterator[tuple[float, float, float, float]]:
+    """Give a resting cylinder's two pressures [Pa] over the joint limits, with boom and stick angle."""
     p, (_, boom, stick) = plant_parameters(machine), joint_limits(machine)
-    for q_2 in (boom[0] + (boom[1] - boom[0]) * k / GRID for k in range(GRID + 1)):
-        for q_3 in (stick[0] + (stick[1] - stick[0]) * k / GRID for k in range(GRID + 1)):
-            state = equilibrium((0.0, q_2, q_3), p).plant
-            axis = state.axes[place]
-            yield max(axis.pressure_1, axis.pressure_2), q_2, q_3
+    for q_2, q_3 in itertools.product(_spread(boom), _spread(stick)):
+        axis = equilibrium((0.0, q_2, q_3), p).plant.axes[place]
+        yield axis.pressure_1, axis.pressure_2, q_2, q_3
 
 
 def _hose_warnings(machine: Machine) -> list[str]:

@@ -14,7 +14,7 @@ from forest_study.log_work import person, trial
 from forest_study.log_work.clearance import chain
 from forest_study.log_work.site import Site, site_of
 from forest_study.log_work.work import Work
-from forest_study.logs.tables import SHOWN, Group, change, name
+from forest_study.logs.tables import SHOWN, Group, change, name, with_interval
 
 PUBLISHED = {"loading": -5.2, "unloading": -7.9}  # [%] Silva Fennica 10161
 COLOURS = {"joint": "tab:red", "tip": "tab:blue", "assisted": "tab:green", "taught": "tab:purple"}
@@ -47,6 +47,7 @@ def write(
         groups=found,
         name=name,
         shown=SHOWN,
+        with_interval=with_interval,
         operators=operators,
         numbers=_numbers(operators),
         site=site,

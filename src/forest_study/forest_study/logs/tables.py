@@ -1,5 +1,6 @@
 """The benchmark's runs as tables: each mode's figures, and what it saves against the first."""
 
+import math
 from collections.abc import Sequence
 from typing import Any, NamedTuple
 
@@ -79,7 +80,7 @@ def text(found: Sequence[Group]) -> str:
             "|---" * (1 + len(group.modes)) + "|",
         ]
         for figure, label in SHOWN.items():
-            cells = [f"{m[figure].value:.4g} ± {m[figure].half:.2g}" for m in group.modes.values()]
+            cells = [with_interval(m[figure]) for m in group.modes.values()]
             lines.append(f"| {label} | {' | '.join(cells)} |")
         lines += [f"| not ended | {' | '.join(str(n) for n in group.failed.values())} |", ""]
     first = next(iter(found[0].modes))
@@ -97,8 +98,15 @@ def text(found: Sequence[Group]) -> str:
     return "\n".join(lines)
 
 
+def with_interval(m: Mean) -> str:
+    """Return a mean as people write it, with its interval where there is one."""
+    return f"{m.value:.4g}" if math.isnan(m.half) else f"{m.value:.4g} ± {m.half:.2g}"
+
+
 def change(d: Difference) -> str:
     """Return a difference as people write it: less time is negative."""
+    if math.isnan(d.p):
+        return f"{-100 * d.saved:+.1f} % (two persons or more give an interval)"
     return f"{-100 * d.saved:+.1f} % ({-100 * d.high:+.1f} … {-100 * d.low:+.1f}), p {d.p:.2g}"
 
 
