@@ -7,7 +7,7 @@ import pytest
 
 ROOT = Path(__file__).resolve().parents[1]
 EXPLANATION = ROOT / "docs" / "explanation"
-CITING = "safety", "control", "valve-driver", "results", "equations", "identification"
+CITING = "safety", "safety-evidence", "control", "valve-driver", "results", "equations", "identification"
 CODE = [path for folder in ("src", "test", "benchmarks", "scripts") for path in (ROOT / folder).rglob("*.py")]
 MODULES = {path.name for path in CODE}
 TESTS = {
@@ -28,10 +28,11 @@ def test_tests_and_modules_that_a_page_names_exist(page):
     assert [start for start in starts if not any(name.startswith(start) for name in TESTS)] == []
 
 
-def test_a_claim_of_safety_names_its_test():
-    lines = (EXPLANATION / "safety.md").read_text("utf-8").splitlines()
+@pytest.mark.parametrize(("page", "tables"), [("safety", 16), ("safety-evidence", 3)])
+def test_a_claim_of_safety_names_its_test(page, tables):
+    lines = [*(EXPLANATION / f"{page}.md").read_text("utf-8").splitlines(), ""]
     heads = [k for k, line in enumerate(lines) if line.startswith("| claim") and line.endswith("| test |")]
-    assert len(heads) >= 8
+    assert len(heads) >= tables
     for head in heads:
         for row in lines[head + 2 : lines.index("", head)]:
             assert re.search(r"`test_\w+|the same|as above", row.rsplit("|", 2)[1]), row

@@ -33,7 +33,7 @@ from forest_description.machine import load_machine
 
 LINKS = Links(0.41, 4.1, 2.9)
 CREEP, FAR_OFF, NEGLIGIBLE = 2e-3, 2.5, 1e-6  # [rad/s], times the wish, [rad/s; m/s]
-SAFETY = Path(__file__).resolve().parents[3] / "docs" / "explanation" / "safety.md"
+CODES = Path(__file__).resolve().parents[3] / "docs" / "reference" / "codes.md"
 P = VelocityLimits(
     lower=(-2.0, -0.6, -2.1),
     upper=(2.0, 1.2, -0.8),
@@ -284,21 +284,8 @@ def test_each_actuator_takes_the_oil_of_its_own_inlet(joint, sign):
 
 
 def test_limits_and_joystick_are_numbered_as_the_docs_tell_who_reads_the_topic():
-    told = re.findall(r"^\| (\d) \| ([a-z ]+) \| ([a-z]*) *\|$", SAFETY.read_text("utf-8"), re.MULTILINE)
-    words = (
-        "none",
-        "joint rate",
-        "joint limit",
-        "singular pose",
-        "flow of the pumps",
-        "wall",
-        "released or stopping",
-        "load",
-        "overload",
-        "late link",
-    )
-    names = "NONE", "RATE", "JOINT", "SINGULARITY", "FLOW", "WALL", "RELEASED", "LOAD", "OVERLOAD", "LATE"
-    codes = {str(Limit[name].value): word for name, word in zip(names, words, strict=True)}
-    assert {code: word for code, word, _ in told} == codes
-    states = {str(state.value): state.name.lower() for state in Joystick}
-    assert {code: state for code, _, state in told if state} == states
+    text = CODES.read_text("utf-8")
+    for heading, states in (("Limits", Limit), ("Joystick", Joystick)):
+        section = text.split(f"## {heading}\n")[1].split("\n## ")[0]
+        told = re.findall(r"^\| (\d+) \| ([a-z]+) \|", section, re.MULTILINE)
+        assert told == [(str(state.value), state.name.lower()) for state in states]

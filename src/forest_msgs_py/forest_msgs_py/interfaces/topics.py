@@ -165,7 +165,7 @@ TIP_TWIST_COMMAND = Topic(
 CONTROLLER_STATUS = Topic(
     name="controller/status", type=FLOAT_ARRAY,
     labels=("factor", "limit", "armed", "joystick", "emergency_stop"), units=("1",) * 5, rate_hz=_RATE,
-    doc="What limits the command: factor 0..1; codes of limit and joystick: explanation/safety.md; 0 or 1.",
+    doc="What limits the command: factor 0..1; codes of limit and joystick: reference/codes.md; 0 or 1.",
     publishers=(_CONTROLLER,), subscribers=(_CYCLE, _TWIST),
 )
 TIP_LOAD = Topic(
