@@ -2,7 +2,6 @@
 
 import functools
 import random
-import signal
 import string
 import struct
 
@@ -22,6 +21,7 @@ from forest_bag.read.bag_reader import BagReader
 from forest_bag.read.timeseries import read_bag
 from forest_msgs_py.interfaces import messages, topics
 from forest_msgs_py.runtime import node
+from forest_msgs_py.runtime.stop_signals import heeded
 
 
 @pytest.fixture
@@ -59,7 +59,7 @@ def ask(speaker, ros_context, wait_until):
     executor.shutdown()
 
 
-@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+@pytest.mark.parametrize("number", heeded())
 def test_every_message_of_every_topic_is_in_the_bag(record, speaker, wait_until, tmp_path, number):
     # Deep enough for all: a busy machine may not have heard the first when the last is said.
     joints = speaker.create_publisher(topics.message_class(topics.JOINT_STATES), "joint_states", 500)

@@ -24,7 +24,10 @@ def test_what_differs_is_named(tmp_path):
         Journal(tmp_path, {"rows": ["slow"], "seeds": 3})
 
 
-def test_a_file_that_is_no_journal_is_named(tmp_path):
-    (tmp_path / "runs.jsonl").write_text("number,error\n", encoding="utf-8")
+@pytest.mark.parametrize(
+    "text", ["", "number,error\n", "[1]\n", "7\n", '{"study": 1}\n', '{"versions": 1}\n']
+)
+def test_a_file_that_is_no_journal_is_named(tmp_path, text):
+    (tmp_path / "runs.jsonl").write_text(text, encoding="utf-8")
     with pytest.raises(StudyError, match="holds no runs"):
         Journal(tmp_path, {})

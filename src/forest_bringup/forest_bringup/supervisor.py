@@ -23,6 +23,7 @@ from typing import IO, TYPE_CHECKING, NamedTuple, cast
 from forest_bringup.graph_lock import AlreadyRunning, GraphError, only_graph
 from forest_bringup.process_priority import raise_priority
 from forest_msgs_py.runtime.environment import PARENT_VARIABLE, prepare_environment
+from forest_msgs_py.runtime.stop_signals import heeded
 
 if TYPE_CHECKING:
     from forest_bringup.graph_monitor import GraphMonitor
@@ -269,7 +270,7 @@ class Supervisor:
                     self._on_log_line(line.rstrip("\n"))
 
     def _catch_signals(self) -> None:
-        for number in STOP_SIGNALS:
+        for number in heeded(STOP_SIGNALS):
             before = signal.signal(number, self._request_stop)
             self._stack.callback(signal.signal, number, before)
 

@@ -29,15 +29,15 @@ class Journal:
             unfinished = out / "runs.jsonl.unfinished"
             unfinished.write_text(json.dumps(self.made_by) + "\n", encoding="utf-8")
             unfinished.rename(self._file)
-        *lines, cut = self._file.read_bytes().splitlines(keepends=True)
-        if cut.endswith(b"\n"):
-            lines.append(cut)
-        else:  # the computer went down in mid-line
+        lines = self._file.read_bytes().splitlines(keepends=True)
+        if lines and not lines[-1].endswith(b"\n"):  # the computer went down in mid-line
+            lines.pop()
             with self._file.open("r+b") as file:
                 file.truncate(sum(map(len, lines)))
         try:
             begun, *self.entries = map(json.loads, lines)
-        except ValueError:
+            _ = begun["versions"].items()
+        except (ValueError, TypeError, KeyError, AttributeError):  # nothing, or not ours
             raise StudyError(f"{self._file} holds no runs; allowed: another --out") from None
         changed = _changed(begun, json.loads(json.dumps(self.made_by)))
         if changed:

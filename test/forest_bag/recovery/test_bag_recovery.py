@@ -5,12 +5,13 @@ import random
 
 import pytest
 import yaml
+from mcap.opcode import Opcode
 from mcap.reader import make_reader
 from mcap.writer import CompressionType, Writer
 
 from forest_bag.recovery.bag_recovery import recover
 from forest_bag.storage.bag_files import BagError, bag_files
-from forest_bag.storage.mcap_records import MAGIC
+from forest_bag.storage.mcap_records import HEAD, MAGIC, records
 from forest_bag.write.bag_split import Attached, Layout
 from forest_bag.write.bag_writer import BagWriter
 
@@ -165,6 +166,65 @@ def test_a_zeroed_tail_as_a_power_cut_leaves_it_is_skipped(tmp_path):
     assert recovered.messages == 400
     ((_, recovery),) = recovered.files
     assert [damage.length for damage in recovery.damages] == [100_000]
+
+
+def heads(data, opcode):
+    """Where records of a kind begin, those within chunks left out."""
+    return [begin - HEAD.size for code, begin, _ in records(data, len(MAGIC)) if code == opcode]
+
+
+@pytest.mark.parametrize("byte", range(1, 9))
+def test_a_wrong_length_of_an_index_swallows_no_chunk(tmp_path, byte):
+    whole = recorded(tmp_path / "bag", close=False)
+    data = bytearray(whole.read_bytes())
+    for place in heads(bytes(data), Opcode.MESSAGE_INDEX)[2:8:2]:
+        data[place + byte] ^= 2
+    whole.write_bytes(data)
+    recovered = recover([whole], tmp_path / "out")
+    assert recovered.messages == 400
+    assert len(recovered.files[0][1].damages) == 3
+
+
+def test_an_inserted_byte_before_an_index_swallows_no_chunk(tmp_path):
+    whole = recorded(tmp_path / "bag", close=False)
+    data = whole.read_bytes()
+    place = heads(data, Opcode.MESSAGE_INDEX)[3]
+    whole.write_bytes(
+        data[:place] + data[place : place + 1] + data[place:]
+    )  # its length is 256 times as large
+    recovered = recover([whole], tmp_path / "out")
+    assert recovered.messages == 400
+    assert [damage.start for damage in recovered.files[0][1].damages] == [place]
+
+
+def without_chunks(file):
+    """A bag as rosbag2's preset `fastwrite` makes it: messages outside of chunks, without checksums."""
+    with file.open("wb") as stream:
+        writer = Writer(stream, use_chunking=False)
+        writer.start("ros2")
+        schema = writer.register_schema("std_msgs/msg/Float64", "ros2msg", b"float64 data")
+        channel = writer.register_channel("/depth", "cdr", schema, {})
+        for step in range(100):
+            writer.add_message(channel, step, ONE, step, step)
+        writer.finish()
+    return file.read_bytes()
+
+
+@pytest.mark.parametrize("byte", range(9))
+def test_a_damaged_head_of_a_message_outside_of_chunks_costs_it_and_its_neighbour_at_most(tmp_path, byte):
+    data = bytearray(without_chunks(tmp_path / "a.mcap"))
+    data[heads(bytes(data), Opcode.MESSAGE)[40] + byte] ^= 16
+    (tmp_path / "a.mcap").write_bytes(data)
+    recover([tmp_path / "a.mcap"], tmp_path / "out")
+    assert {*range(39), *range(41, 100)} <= {*sequences(tmp_path / "out" / "out_0.mcap")} <= {*range(100)}
+
+
+def test_messages_outside_of_chunks_are_kept_up_to_a_cut_or_a_zeroed_tail(tmp_path):
+    data = without_chunks(tmp_path / "a.mcap")
+    place = heads(data, Opcode.MESSAGE)[40]
+    for name, tail in (("cut", data[place : place + 5]), ("zeroed", bytes(100_000)), ("end", b"")):
+        (tmp_path / f"{name}.mcap").write_bytes(data[:place] + tail)
+        assert recover([tmp_path / f"{name}.mcap"], tmp_path / name).messages == 40
 
 
 def test_a_file_of_mcap_s_own_writer_recovers_too(tmp_path):

@@ -44,6 +44,21 @@ def test_what_is_written_is_read_again(seed, tmp_path):
     assert [path.name for path in tmp_path.iterdir()] == ["random.yaml"]
 
 
+@pytest.mark.parametrize("name", ["\N{MAN}\N{ZERO WIDTH JOINER}\N{EAR OF RICE}", "a\x07b", "\ufffe", ""])
+def test_what_could_not_be_read_again_does_not_replace_a_file(name, tmp_path):
+    kept = Cycle("load", (Pose("out", (5.5, 1.5, 0.5), 0.3),))
+    save_cycle(kept, tmp_path)
+    with pytest.raises(SettingFileError, match=r"cycle .*load"):
+        save_cycle(kept.with_segment(Pose(name, (5.0, 0.0, 1.0), 0.3)), tmp_path)
+    assert load_cycle("load", tmp_path) == kept
+    assert [path.name for path in tmp_path.iterdir()] == ["load.yaml"]
+
+
+def test_half_a_character_becomes_readable(tmp_path):
+    save_cycle(Cycle("load", (), "\ud800"), tmp_path)
+    assert load_cycle("load", tmp_path).description == r"\ud800"
+
+
 def test_a_file_that_is_saved_again_does_not_change():
     text = text_of(random_cycle(3))
     assert text == text_of(random_cycle(3))

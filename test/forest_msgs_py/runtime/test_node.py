@@ -13,6 +13,7 @@ from rclpy.executors import SingleThreadedExecutor
 
 from forest_msgs_py.interfaces import messages, topics
 from forest_msgs_py.runtime import environment, node
+from forest_msgs_py.runtime.stop_signals import heeded
 
 HELPERS = Path(__file__).resolve().parents[2] / "helpers"
 
@@ -22,7 +23,7 @@ def talker(domain_id, start_process):
     return lambda *arguments: start_process(["-m", "talker", "--ros-args", *arguments])
 
 
-@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+@pytest.mark.parametrize("number", heeded())
 def test_last_words_are_heard_before_the_node_goes(talker, ros_context, make_node, wait_until, number):
     process = talker()
     listener = make_node("listener")

@@ -14,8 +14,10 @@ from pyarrow import parquet
 from forest_control.servo.schemes import scheme_named
 from forest_description.machine import load_machine
 from forest_study.cli import main
+from forest_study.results import StudyError
 from forest_study.sweep import sweep_command
 from forest_study.sweep.design import runs
+from forest_study.sweep.store import Store
 from forest_study.sweep.study import read_study
 from forest_study.sweep.trials import tracked
 from forest_study.sweep.workers import batches, cluster, results, run_batch
@@ -131,6 +133,17 @@ def test_another_study_or_other_versions_do_not_mix(tmp_path, study, capsys, tex
     study.write_text(text, encoding="utf-8")
     assert main(["sweep", str(study), "--out", str(out)]) == 1
     assert told in capsys.readouterr().err
+
+
+def test_a_path_that_was_drawn_anew_is_another_study(tmp_path):
+    drawn, file = tmp_path / "path.csv", tmp_path / "study.yaml"
+    file.write_text(f"with: {{path: {drawn}}}\n", encoding="utf-8")
+    for end in ("1.3", "1.4"):
+        drawn.write_text(f"x,y,z\n5.5,0,1\n5.5,0,{end}\n", encoding="utf-8")
+        if end == "1.3":
+            Store(tmp_path / "out", read_study(file))
+    with pytest.raises(StudyError, match="was begun with other paths; allowed: another --out"):
+        Store(tmp_path / "out", read_study(file))
 
 
 def test_what_fails_while_a_cluster_answers_is_told_as_it_is():

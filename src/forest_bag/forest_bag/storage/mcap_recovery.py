@@ -1,8 +1,9 @@
 """What is readable in an MCAP file that was cut off, or damaged in the middle: every whole record.
 
 Kept beside mcap's own readers: they stop at the first record that they cannot parse, and give up everything
-behind it. Here the search goes on for the next record that is whole: a chunk by its checksum, the others by
-lengths that agree.
+behind it. Here the search goes on for the next record that is whole: a chunk by its checksum, others by
+lengths that agree. A message outside of chunks, an index and a stranger's own record have neither: they are
+whole where another record, or a hole, begins behind them. Else one wrong length would swallow what follows.
 """
 
 import mmap
@@ -29,6 +30,9 @@ from forest_bag.storage.mcap_records import (
 
 # How a record that is looked for begins: no length has more than five digits to the base 256.
 _BEGINNING = re.compile(rb"[\x03\x04\x06\x09\x0c].{5}\x00{3}", re.DOTALL)
+_WITH_MESSAGES = re.compile(rb"[\x03-\x06\x09\x0c].{5}\x00{3}", re.DOTALL)  # of files without chunks
+_ANY_BEGINNING = re.compile(rb"[\x01-\x0f\x80-\xff](.{0,5}$|.{5}\x00{0,3}$|.{5}\x00{3})", re.DOTALL)
+_HOLE = bytes(64)  # zeroes, as a power cut leaves them
 _WITHOUT_USE = {Opcode.HEADER, Opcode.MESSAGE_INDEX, *range(0x80, 0x100)}  # of these: anybody's own records
 
 
@@ -52,6 +56,7 @@ class RecordRecovery:
         self.path = path
         self.damages: list[Damage] = []
         self.complete = False
+        self._beginning = _BEGINNING
         self.empty = not any(isinstance(record, Message | Attachment) for record in self)
         self.damages.clear()
         self.complete = False
@@ -75,7 +80,7 @@ class RecordRecovery:
             if opcode == Opcode.DATA_END and end - place == HEAD.size + 4:
                 self.complete = True
                 return
-            records = self._records(opcode, data[place + HEAD.size : end]) if end <= len(data) else None
+            records = self._records(data, place)
             if records is None:
                 found = self._next(data, place + 1)
                 self.damages.append(Damage(place, found - place))
@@ -84,27 +89,35 @@ class RecordRecovery:
                 yield from records
                 place = end
 
-    def _records(self, opcode: int, content: bytes) -> list[McapRecord] | None:
+    def _records(self, data: mmap.mmap, place: int) -> list[McapRecord] | None:
         """What a record holds, [] if that is of no use here, None if it is not whole."""
-        if opcode == Opcode.MESSAGE and len(content) >= MESSAGE.size:
-            return [_message(content)]
+        opcode, end = _head(data, place)
+        if end > len(data):
+            return None
+        if opcode == Opcode.MESSAGE or opcode in _WITHOUT_USE:
+            return self._unproven(opcode, data[place + HEAD.size : end]) if _is_beginning(data, end) else None
         try:
-            record = parsed(opcode, content, exact=True)
+            record = parsed(opcode, data[place + HEAD.size : end], exact=True)
             if isinstance(record, Chunk):
                 return list(_within(record))
         except BROKEN:
             return None
-        if record is not None:
-            return [record]
-        return [] if opcode in _WITHOUT_USE else None
+        return None if record is None else [record]
+
+    def _unproven(self, opcode: int, content: bytes) -> list[McapRecord] | None:
+        """What a record holds for which no checksum and no length within speaks, as `_records`."""
+        if opcode != Opcode.MESSAGE:
+            return []
+        if len(content) < MESSAGE.size:
+            return None
+        self._beginning = _WITH_MESSAGES  # within chunks they are not looked for: a checksum speaks for all
+        return [_message(content)]
 
     def _next(self, data: mmap.mmap, start: int) -> int:
         """The place of the next whole record that can be told from chance, or the file's end."""
-        for match in _BEGINNING.finditer(data, start):
-            place = match.start()
-            opcode, end = _head(data, place)
-            if end <= len(data) and self._records(opcode, data[place + HEAD.size : end]) is not None:
-                return place
+        for match in self._beginning.finditer(data, start):
+            if self._records(data, match.start()) is not None:
+                return match.start()
         return len(data)
 
 
@@ -122,6 +135,11 @@ def _head(data: mmap.mmap, place: int) -> tuple[int, int]:
         return 0, len(data) + 1
     opcode, length = HEAD.unpack_from(data, place)
     return opcode, place + HEAD.size + length
+
+
+def _is_beginning(data: mmap.mmap, place: int) -> bool:
+    """Whether the file ends there, or another record begins, be it cut off in its head, or a hole."""
+    return _HOLE.startswith(data[place : place + len(_HOLE)]) or _ANY_BEGINNING.match(data, place) is not None
 
 
 def _message(content: bytes) -> Message:

@@ -94,15 +94,20 @@ def save_cycle(taught: Cycle, folder: Path) -> Path:
 
     Raises:
         OSError: it cannot be written.
-        SettingFileError: the name would be no file's.
+        SettingFileError: the name would be no file's, or what is written could not be read again.
     """
     path = file_of(taught.name, folder)
     folder.mkdir(parents=True, exist_ok=True)
     draft = path.with_suffix(".draft")
-    with draft.open("w", encoding="utf-8") as file:
+    with draft.open("w", encoding="utf-8", errors="backslashreplace") as file:
         file.write(text_of(taught))
         file.flush()
         os.fsync(file.fileno())
+    try:
+        cycle_of(taught.name, tree_of("cycle", str(draft), FOLDER))
+    except SettingFileError:
+        draft.unlink()
+        raise
     draft.replace(path)
     return path
 

@@ -6,13 +6,17 @@ They end with one sentence for what went wrong, and an exit code that scripts ca
 import argparse
 import contextlib
 import math
+import signal
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from typing import TextIO, TypeAlias
+
+from forest_msgs_py.runtime.stop_signals import heeded
 
 Subcommands: TypeAlias = "argparse._SubParsersAction[argparse.ArgumentParser]"
 Command: TypeAlias = Callable[[argparse.Namespace], int]
 """Takes a subcommand's options, and returns the exit code."""
+PIPE_CLOSED = 128 + signal.SIGPIPE  # exit code by which shells know it
 LARGEST = 2**31 - 1  # whole number that a flag takes: seeds are as large
 
 
@@ -100,7 +104,8 @@ class StatusLine:
 def run(program: str, options: argparse.Namespace, errors: tuple[type[Exception], ...]) -> int:
     """Run the subcommand that the options hold as `command`; return the exit code.
 
-    0 as the command says, 1 when it failed (one sentence on stderr), 130 when it was stopped.
+    0 as the command says, 1 when it failed (one sentence on stderr), 130 when it was stopped, 141 when nobody
+    reads its output any more: it may have had more to do.
 
     Args:
         program: named in front of what is said.
@@ -109,17 +114,31 @@ def run(program: str, options: argparse.Namespace, errors: tuple[type[Exception]
     """
     command: Command = options.command
     try:
-        return command(options)
+        with _stopped_as_by_ctrl_c():
+            return command(options)
     except KeyboardInterrupt:
         print(f"\n{program}: stopped; what was written until now is kept", file=sys.stderr)
         return 130
     except BrokenPipeError:  # the reader of our output has left
         with contextlib.suppress(OSError):
             sys.stdout.close()
-        return 0
+        return PIPE_CLOSED
     except OSError as error:
         named = f"{error.filename}: " if error.filename else ""
         print(f"{program}: {named}{error.strerror or error}", file=sys.stderr)
     except errors as error:
         print(f"{program}: {error}", file=sys.stderr)
     return 1
+
+
+@contextlib.contextmanager
+def _stopped_as_by_ctrl_c() -> Iterator[None]:
+    """Let `timeout`, a batch system and a terminal that closes stop a command as Ctrl-C does."""
+    numbers = heeded((signal.SIGTERM, signal.SIGHUP))
+    before = {number: signal.signal(number, signal.default_int_handler) for number in numbers}
+    try:
+        yield
+    finally:
+        for number, handler in before.items():
+            if signal.getsignal(number) is signal.default_int_handler:  # a node's end has set its own
+                signal.signal(number, handler)

@@ -3,7 +3,7 @@
 ===========  ===============================================================================================
 exit code    meaning
 ===========  ===============================================================================================
-0            asked to stop (SIGINT, SIGTERM), or done (``Finished``)
+0            asked to stop (SIGINT, SIGTERM, SIGHUP), or done (``Finished``)
 1            an exception in a callback, or a ``NodeFailure``
 2            could not start: a parameter, a name or a file is wrong
 -SIGALRM     all was done, and then the middleware did not let the node go
@@ -49,10 +49,10 @@ from forest_msgs_py.runtime.environment import (
     wait_for_supervisor,
 )
 from forest_msgs_py.runtime.static_executor import StaticExecutor
+from forest_msgs_py.runtime.stop_signals import heeded
 
 LAST_WORDS = 0.1  # [s]
 LEAVING = 2.0  # [s] for a node to leave the graph; on a loaded host it takes up to 0.4
-STOP_SIGNALS = (signal.SIGINT, signal.SIGTERM)
 
 
 class NodeFailure(Exception):
@@ -64,7 +64,7 @@ class Finished(Exception):
 
 
 class _StopSignals:
-    """Calls ``react`` when SIGINT or SIGTERM arrives, even while the main thread waits inside the middleware.
+    """Calls ``react`` when a signal to stop arrives, even while the main thread waits inside the middleware.
 
     Python runs a handler only when the main thread comes back from C, which an idle wait set does not do; the
     wake-up descriptor is written to at once, from whichever thread the kernel chose.
@@ -75,7 +75,8 @@ class _StopSignals:
         self.react: Callable[[], None] = lambda: None
         self._reader, self._writer = socket.socketpair()
         self._writer.setblocking(False)
-        for number in STOP_SIGNALS:
+        self._numbers = heeded()
+        for number in self._numbers:
             signal.signal(number, self._ignore)
         signal.set_wakeup_fd(self._writer.fileno(), warn_on_full_buffer=False)
         self._thread = threading.Thread(target=self._watch, name="stop-signals", daemon=True)
@@ -87,14 +88,14 @@ class _StopSignals:
 
     def _watch(self) -> None:
         while numbers := self._reader.recv(64):
-            if any(number in STOP_SIGNALS for number in numbers):
+            if any(number in self._numbers for number in numbers):
                 self.requested.set()
                 self.react()
 
     def close(self) -> None:
         """End watching. A signal that comes while the process ends must not change its exit code."""
         self.react = lambda: None
-        for number in STOP_SIGNALS:
+        for number in self._numbers:
             signal.signal(number, signal.SIG_IGN)
         signal.set_wakeup_fd(-1)
         self._writer.close()

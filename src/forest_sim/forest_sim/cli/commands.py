@@ -17,6 +17,7 @@ from forest_description.geometry.kinematics import tip_position
 from forest_description.machine import Machine, load_machine
 from forest_description.types import AXES, Vec3
 from forest_msgs_py.runtime.command_line import StatusLine
+from forest_msgs_py.runtime.stop_signals import heeded
 from forest_sim.analysis import machine_check, mode_map, modes, pump_comparison, run_summary
 from forest_sim.analysis.friction_linearisation import (
     axes_with_friction,
@@ -91,9 +92,9 @@ def new_directory(out: Path) -> None:
 
 @contextlib.contextmanager
 def _deferred_stop_signals() -> Iterator[list[int]]:
-    """Note SIGINT and SIGTERM instead of stopping at once, which might be in the middle of a bag's record."""
+    """Note what stops a command instead of stopping at once, perhaps in the middle of a bag's record."""
     noted: list[int] = []
-    numbers = signal.SIGINT, signal.SIGTERM
+    numbers = heeded()
     before = [signal.signal(number, lambda number, _: noted.append(number)) for number in numbers]
     try:
         yield noted

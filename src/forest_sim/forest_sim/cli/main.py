@@ -5,11 +5,9 @@ stopped.
 """
 
 import argparse
-import contextlib
 import math
-import signal
 import sys
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 
 from forest_description.config.parameter import MachineError
@@ -37,18 +35,7 @@ START = "5.5 0 1, or the middle of its range for a crane that does not reach the
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run one subcommand; return its exit code."""
     options = _parser().parse_args(arguments)
-    with _sigterm_stops():
-        return command_line.run(PROGRAM, options, (InputError, MachineError, RunError))
-
-
-@contextlib.contextmanager
-def _sigterm_stops() -> Iterator[None]:
-    """Let SIGTERM (`timeout`, a batch system) stop a run as Ctrl-C does, so that its bag is closed, too."""
-    before = signal.signal(signal.SIGTERM, signal.default_int_handler)
-    try:
-        yield
-    finally:
-        signal.signal(signal.SIGTERM, before)
+    return command_line.run(PROGRAM, options, (InputError, MachineError, RunError))
 
 
 def _parser() -> argparse.ArgumentParser:

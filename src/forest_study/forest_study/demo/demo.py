@@ -32,6 +32,7 @@ from forest_description.derived.limits import joint_limits
 from forest_description.machine import load_machine
 from forest_description.types import AXES
 from forest_msgs_py.runtime.command_line import StatusLine, number
+from forest_msgs_py.runtime.stop_signals import heeded
 from forest_msgs_py.types import PERIOD
 from forest_sim.simulation.load_schedule import parse_loads
 from forest_study.results import write_json
@@ -72,7 +73,9 @@ class Progress:
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the demo; return 0 when every node ended well, 1 after a failure, 130 when the user stopped it."""
     options = _parse(arguments)
-    for sign in STOP_SIGNALS:  # before and after the graph; while it runs, its supervisor stops it in order
+    for sign in heeded(
+        STOP_SIGNALS
+    ):  # before and after the graph; while it runs, its supervisor stops it in order
         signal.signal(sign, _leave)
     try:
         with contextlib.suppress(BrokenPipeError):

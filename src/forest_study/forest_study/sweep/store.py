@@ -1,7 +1,7 @@
 """A study's rows: in the journal as batches end, in one Parquet file once all have.
 
 DIR/study.yaml     the file
-DIR/runs.jsonl     study, versions, files of machines and operators; then the rows of each batch
+DIR/runs.jsonl     study, versions, files of machines, operators and paths; then the rows of each batch
 DIR/runs.parquet   all rows, by number, with the first line above in its metadata
 """
 
@@ -16,6 +16,7 @@ from forest_study.results import StudyError
 from forest_study.sweep.design import combinations
 from forest_study.sweep.study import Study
 from forest_study.sweep.workers import Row
+from forest_study.tracking.paths import NAMES as PATHS
 
 
 class Store:
@@ -32,8 +33,8 @@ class Store:
     def __init__(self, out: Path, study: Study) -> None:
         _require_pyarrow()
         self.whole, self._study = out / "runs.parquet", study
-        made_by = {"study": study.text, "machines": _machines(study), "operators": _operators(study)}
-        self._journal = Journal(out, made_by)
+        named = {"machines": _machines(study), "operators": _operators(study), "paths": _paths(study)}
+        self._journal = Journal(out, {"study": study.text, **named})
         (out / "study.yaml").write_text(study.text, encoding="utf-8")
 
     def done(self) -> set[int]:
@@ -86,3 +87,10 @@ def _operators(study: Study) -> dict[str, dict[str, float]]:
     cases = [{**study.common, **combination} for combination in combinations(study)]
     names = {case["operator"] for case in cases if "operator" in case}
     return {name: dict(read_person(name)._asdict()) for name in sorted(names)}
+
+
+def _paths(study: Study) -> dict[str, str]:
+    """Return the text of each file of waypoints that a study names."""
+    cases = [{**study.common, **combination} for combination in combinations(study)]
+    names = {case["path"] for case in cases if "path" in case}.difference(PATHS)
+    return {name: Path(name).read_text("utf-8") for name in sorted(names)}
