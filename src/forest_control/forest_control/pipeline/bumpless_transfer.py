@@ -56,7 +56,7 @@ def taken_over(state: State, inputs: Inputs, p: Parameters) -> State:
         )
     a = state.memory.swing.a, state.memory.boom.a, state.memory.stick.a
     velocity = tip_velocity(s, a, p.links) if state.scheme == Scheme.JOINT else state.memory.velocity
-    shut = max(abs(u[0]), abs(u[1]), abs(u[2])) <= coordinated_servo.HELD
+    shut = max(abs(u[0]), abs(u[1]), abs(u[2])) <= coordinated_servo.HOLD_RATE
     samples = 0 if still and shut else coordinated_servo.MOST_SAMPLES
     r = within_lead(r, s, s, p)
     if state.scheme != Scheme.JOINT:

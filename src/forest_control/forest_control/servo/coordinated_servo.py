@@ -31,7 +31,7 @@ from forest_description.derived.actuator_kinematics import Linkages, actuator_sp
 from forest_description.types import ZERO, Vec3
 
 REST_RATE = 1e-4  # [rad/s] a reference slower than this rests: 0.6 mm/s of the tip; chosen
-HELD = 1e-9  # [rad/s] command to a joint that holds: no motion, but the driver may feed its leakage
+HOLD_RATE = 1e-9  # [rad/s] command to a joint that holds: no motion, but the driver may feed its leakage
 HIGHEST_ACCELERATION = 2.0  # [rad/s^2] of b: a jump of the velocity scaling must not kick the valves; chosen
 MOST_SAMPLES = 50  # [1] in the mean pose that the reference starts from: 0.25 s at rest
 
@@ -229,7 +229,7 @@ def _joint_servo(
     filtered, holds = held(memory, error, still, p, dt)
     if all_rest and is_due(memory.inching, shut):
         inching = inched(memory.inching, error, shut, abs(inch), p.free_ways[i], dt)
-        return Joint(a=x.a, b=x.b, w=memory.w, error=filtered, holding=True, inching=inching), HELD
+        return Joint(a=x.a, b=x.b, w=memory.w, error=filtered, holding=True, inching=inching), HOLD_RATE
     # At rest the integral learns what leaks, through an open valve; behind a shut one, or before joints
     # that are stalled, it would wind up.
     learns = not (stalled and is_ahead(x.a, error)) and (not still or (not shut and not holds))
@@ -240,7 +240,7 @@ def _joint_servo(
     # At rest there is time for less noise: a valve that feeds what leaks would follow it.
     calm = still and (shut or memory.inching.rested >= ARRIVED)
     fed_back = filtered if calm else filtered + quick * (error - filtered)
-    u = HELD if holds else coordinated(x._replace(s=x.r - fed_back, w=x.w + w), p.gains[i])
+    u = HOLD_RATE if holds else coordinated(x._replace(s=x.r - fed_back, w=x.w + w), p.gains[i])
     inching = served(memory.inching, dt) if all_rest else MOVING
     motion = updated_motion(memory.motion, x.a, x.v, dt)
     return Joint(a=x.a, b=x.b, w=w, error=filtered, holding=holds, inching=inching, motion=motion), u
