@@ -86,7 +86,7 @@ def _joint_servo(
 ) -> tuple[Joint, float]:
     """Return one joint's memory and rate [rad/s]; where it rests at its reference, its valve stays shut."""
     s, v = inputs.angles[i], inputs.rates[i]
-    seen, holds = coordinated_servo.held(memory, r[i] - s, still, p.coordinated, dt)
+    seen, holds = coordinated_servo.hold_hysteresis(memory, r[i] - s, still, p.coordinated, dt)
     signals = Signals(a=a, b=0.0, r=r[i], s=s, v=v, w=0.0)
     u = 0.0 if holds and abs(r[i] - s) < NEAR else servo(p.scheme, signals, p.gains[i])
     return Joint(a=a, error=seen, holding=holds), u

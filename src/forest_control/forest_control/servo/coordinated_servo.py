@@ -191,10 +191,14 @@ def all_stalled(memory: Memory, a: Vec3) -> bool:
     )
 
 
-def held(
+def hold_hysteresis(
     memory: Joint, error: float, still: bool, p: CoordinationParameters, dt: float
 ) -> tuple[float, bool]:
-    """Return the filtered error r - s [rad], and whether the valve may stay shut."""
+    """Return the filtered error r - s [rad], and whether the valve may stay shut.
+
+    A joint that holds does so up to `release_error`; one that moves holds from `hold_error` on, or when
+    its error changes sign.
+    """
     filtered = memory.error + (1.0 - math.exp(-dt / ERROR_LAG)) * (error - memory.error)
     near = abs(filtered) < (p.release_error if memory.holding else p.hold_error)
     return filtered, still and (near or (not memory.holding and filtered * memory.error < 0.0))
@@ -226,7 +230,7 @@ def _joint_servo(
     """
     # A valve that is open, to feed what leaks, is better served by the servo than by holding.
     error, still = x.r - x.s, all_rest or (shut and _rests(memory, x.a))
-    filtered, holds = held(memory, error, still, p, dt)
+    filtered, holds = hold_hysteresis(memory, error, still, p, dt)
     if all_rest and is_due(memory.inching, shut):
         inching = inched(memory.inching, error, shut, abs(inch), p.free_ways[i], dt)
         return Joint(a=x.a, b=x.b, w=memory.w, error=filtered, holding=True, inching=inching), HOLD_RATE
