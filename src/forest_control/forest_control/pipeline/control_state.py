@@ -15,7 +15,7 @@ from forest_control.servo.anti_sway import NO_SWAY, Sway
 from forest_control.servo.joint_angle_filter import NONE as NO_CORRECTION
 from forest_control.servo.joint_angle_filter import UNREAD as NO_LENGTHS
 from forest_control.servo.joint_angle_filter import AngleCorrection, Lengths
-from forest_control.valve.tracking_limit import FULL, NO_TRACKING_LIMIT, Reach, TrackingLimits
+from forest_control.valve.tracking_limit import FULL, NO_TRACKING_LIMIT, OpeningRatio, TrackingLimits
 from forest_description.types import ZERO, Vec3
 
 NO_SCHEME = NO_MODE = -1  # [1] of an enumeration, before the first step: no member's number
@@ -48,7 +48,7 @@ class Inputs(NamedTuple):
     levers: Levers
     enabled: bool  # the levers may move the crane (`motion_permission`)
     cylinders: Lengths = NO_LENGTHS  # [m] boom, stick, of the same moment; NaN: no sample
-    reach: Reach = FULL  # of the valves, as the driver has learnt it
+    opening_ratio: OpeningRatio = FULL  # of the valves, as the driver has learnt it
     voltages: Vec3 = ZERO  # [V] of the valves, given last by the driver
     taught: TaughtCommand = NO_COMMAND  # that is followed in place of the levers
     boom_pressures: Pressures = UNREAD  # [Pa] head and rod side; NaN: no sample
@@ -59,7 +59,7 @@ class Inputs(NamedTuple):
 class ValveFeedback(NamedTuple):
     """What the valve driver reports."""
 
-    reach: Reach = FULL
+    opening_ratio: OpeningRatio = FULL
     voltages: Vec3 = ZERO  # [V] that the valves have by now; zero of a driver that is silent
     driver: DriverSample = DriverSample()  # its newest word
 

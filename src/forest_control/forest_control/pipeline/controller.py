@@ -52,7 +52,7 @@ def step(state: State, inputs: Inputs, p: Parameters, dt: float) -> tuple[State,
     state, command = motion_command(state, inputs, p, dt)
     load = loading(state.weighing.mass, inputs.angles, p.links, p.capacity)
     counted = loading(state.weighing.counted, inputs.angles, p.links, p.capacity)
-    reference = limited(command, Valves(inputs.reach, state.tracking_limits), counted, inputs, p)
+    reference = limited(command, Valves(inputs.opening_ratio, state.tracking_limits), counted, inputs, p)
     servo = joint_servo(command, reference, state, inputs, p, dt)
     state, output = _output(command, reference, servo, state, inputs, p, dt)
     return state, output._replace(loading=load)

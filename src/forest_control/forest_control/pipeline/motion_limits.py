@@ -109,7 +109,10 @@ def velocity_limits_at(angles: Vec3, rates: Vec3, p: Parameters, valves: Valves 
     """
     if p.scheme != Scheme.COORDINATED:
         return p.velocity_limits
-    most, highest = joint_rate_limits(angles, rates, p.speed_limits, valves.reach), p.velocity_limits.rates
+    most, highest = (
+        joint_rate_limits(angles, rates, p.speed_limits, valves.opening_ratio),
+        p.velocity_limits.rates,
+    )
     tracking_limits = valves.tracking_limits
     least = (
         min(highest[0], most[0], ceiling(tracking_limits.swing, rates[0])),
