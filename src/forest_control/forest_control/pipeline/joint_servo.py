@@ -6,7 +6,7 @@ the same servo, and turns no valve round; one in open loop takes its rates as th
 
 from forest_control.config.controller_settings import Parameters
 from forest_control.pipeline import stop_profile
-from forest_control.pipeline.bumpless_transfer import offset_to, within_lead
+from forest_control.pipeline.bumpless_transfer import offset_to, within_error_limit
 from forest_control.pipeline.control_state import (
     Inputs,
     MotionCommand,
@@ -43,7 +43,7 @@ def joint_servo(
     after = advanced(p.scheme, r, a, velocity, p.links, dt)
     if p.scheme == Scheme.COORDINATED and coordinated_servo.all_stalled(state.memory, a):
         after = kept_near(after, a, s)
-    after = within_lead(after, r, s, p)
+    after = within_error_limit(after, r, s, p)
     if p.scheme == Scheme.COORDINATED:
         gains = _braking(p.coordinated) if command.phase == Phase.STOPPING else p.coordinated
         before = coordinated_servo.with_velocity(state.memory, velocity)
@@ -54,7 +54,7 @@ def joint_servo(
     u = moved(u, offset, 1.0)
     if p.scheme == Scheme.COORDINATED and offset != ZERO:
         # The reference goes the way that is commanded, or the servo would fight what fades.
-        after = within_lead(moved(after, offset, dt), r, s, p)
+        after = within_error_limit(moved(after, offset, dt), r, s, p)
         velocity = moved(velocity, tip_velocity(command.pose, offset, p.links), 1.0)
     if command.phase == Phase.STOPPING:
         u = stop_profile.onwards(u, a)
