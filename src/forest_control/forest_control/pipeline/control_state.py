@@ -53,7 +53,7 @@ class Inputs(NamedTuple):
     taught: TaughtCommand = NO_COMMAND  # that is followed in place of the levers
     boom_pressures: Pressures = UNREAD  # [Pa] head and rod side; NaN: no sample
     overloaded: bool = False  # a load has driven a joint back; while this stands, nothing is enabled
-    share: float = 1.0  # of their speed that the levers have, behind a late link
+    speed_scale: float = 1.0  # of the levers, behind a late link
 
 
 class ValveFeedback(NamedTuple):

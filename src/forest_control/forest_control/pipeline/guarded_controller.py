@@ -45,7 +45,7 @@ def control_inputs(
         rates=machine.rates,
         levers=decision.levers,
         enabled=decision.verdict == Verdict.MOVE,
-        share=decision.share,
+        speed_scale=decision.speed_scale,
         cylinders=cylinders,
         opening_ratio=opening_ratio,
         voltages=voltages,
