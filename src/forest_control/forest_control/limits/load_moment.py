@@ -25,6 +25,7 @@ from typing import NamedTuple
 from forest_control.limits.load_weighing import LEAST_LEVER
 from forest_control.limits.workspace import NEGLIGIBLE_SPEED
 from forest_description.geometry.kinematics import Links, tip_position, tip_velocity
+from forest_description.geometry.vectors import norm, scaled
 from forest_description.machine import Machine
 from forest_description.mechanics.lifting_capacity import MOST_POINTS
 from forest_description.types import Vec3
@@ -106,7 +107,7 @@ def unloaded(p: Vec3, velocity: Vec3, load: Loading, keeps_path: bool) -> tuple[
         return velocity, 1.0
     left = most / speed
     if keeps_path:
-        return (left * velocity[0], left * velocity[1], left * velocity[2]), left
+        return scaled(velocity, left), left
     if up <= 0.0:
         outward = most
     elif outward <= 0.0:
@@ -114,17 +115,13 @@ def unloaded(p: Vec3, velocity: Vec3, load: Loading, keeps_path: bool) -> tuple[
     else:
         outward, up = left * outward, left * up
     slid = c * outward - s * aside, s * outward + c * aside, up
-    return slid, _size(slid) / _size(velocity)
+    return slid, norm(slid) / norm(velocity)
 
 
 def load_scale(q: Vec3, rates: Vec3, links: Links, load: Loading) -> float:
     """Return the factor 0..1 that the load leaves of joint rates [rad/s] at joint angles [rad]."""
     velocity = tip_velocity(q, rates, links)
     return unloaded(tip_position(q, links), velocity, load, keeps_path=True)[1]
-
-
-def _size(v: Vec3) -> float:
-    return math.sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2])
 
 
 def allowed_speed(load: Loading) -> float:

@@ -6,13 +6,14 @@ to its command and fades (`FADE_TIME`).
 """
 
 from forest_control.config.controller_settings import Parameters
-from forest_control.pipeline.control_state import NO_MODE, NO_SCHEME, REST, Inputs, State, minus
+from forest_control.pipeline.control_state import NO_MODE, NO_SCHEME, REST, Inputs, State
 from forest_control.pipeline.stop_profile import NO_STOP
 from forest_control.servo import coordinated_servo
 from forest_control.servo.anti_sway import NO_SWAY
 from forest_control.servo.joint_angle_filter import AngleCorrection
 from forest_control.servo.schemes import Scheme, closes_on_position, decayed, reference_for_rate
 from forest_description.geometry.kinematics import joint_rates, tip_velocity
+from forest_description.geometry.vectors import minus
 from forest_description.types import ZERO, Vec3
 
 FADE_TIME = 0.2  # [s] in which the difference between two schemes' commands fades

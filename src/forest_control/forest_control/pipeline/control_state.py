@@ -126,13 +126,3 @@ REST = State(ZERO, False)
 def stopped(state: State) -> State:
     """Return the state with all motion forgotten; what hangs there still does."""
     return REST._replace(weighing=state.weighing)
-
-
-def minus(x: Vec3, y: Vec3) -> Vec3:
-    """Return x - y."""
-    return x[0] - y[0], x[1] - y[1], x[2] - y[2]
-
-
-def scaled(values: Vec3, factor: float) -> Vec3:
-    """Return values times a factor."""
-    return factor * values[0], factor * values[1], factor * values[2]

@@ -21,6 +21,7 @@ from forest_control.servo.overspeed_limit import without_overspeed
 from forest_control.servo.schemes import Scheme, Signals, advanced, closes_on_position, moved, servo
 from forest_control.servo.stalled_joints import kept_near
 from forest_description.geometry.kinematics import tip_velocity
+from forest_description.geometry.vectors import plus
 from forest_description.types import ZERO, Vec3
 
 NEAR = 0.002  # [rad] of the reference, where a position servo at rest may leave its valve shut
@@ -51,11 +52,11 @@ def joint_servo(
     else:
         memory, u = _thesis_servo(state.memory, reference, after, inputs, p, dt)
     offset = offset_to(u, state, p)
-    u = moved(u, offset, 1.0)
+    u = plus(u, offset)
     if p.scheme == Scheme.COORDINATED and offset != ZERO:
         # The reference goes the way that is commanded, or the servo would fight what fades.
         after = within_error_limit(moved(after, offset, dt), r, s, p)
-        velocity = moved(velocity, tip_velocity(command.pose, offset, p.links), 1.0)
+        velocity = plus(velocity, tip_velocity(command.pose, offset, p.links))
     if command.phase == Phase.STOPPING:
         u = stop_profile.onwards(u, a)
     if p.scheme == Scheme.COORDINATED:

@@ -24,8 +24,6 @@ from forest_control.pipeline.control_state import (
     MotionCommand,
     Phase,
     State,
-    minus,
-    scaled,
 )
 from forest_control.pipeline.stop_profile import NO_STOP, Stop
 from forest_control.servo import anti_sway
@@ -33,6 +31,7 @@ from forest_control.servo.anti_sway import Sway
 from forest_control.servo.coordinated_servo import MOST_SAMPLES, ramped
 from forest_control.servo.schemes import Scheme, closes_on_position, jacobian_pose
 from forest_description.geometry.kinematics import tip_position
+from forest_description.geometry.vectors import minus, scaled
 from forest_description.types import ZERO, Vec3
 
 

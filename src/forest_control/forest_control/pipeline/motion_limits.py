@@ -11,10 +11,11 @@ from forest_control.limits.actuator_speed_limits import joint_rate_limits
 from forest_control.limits.load_moment import Loading, load_scale, unloaded
 from forest_control.limits.singularity import rates_near_singularity
 from forest_control.limits.velocity_scaling import Limit, VelocityLimits, VelocityScaling, velocity_scaling
-from forest_control.pipeline.control_state import Inputs, MotionCommand, Phase, Reference, scaled
+from forest_control.pipeline.control_state import Inputs, MotionCommand, Phase, Reference
 from forest_control.servo.schemes import Scheme, closes_on_position
 from forest_control.valve.tracking_limit import AS_FILED, Valves, ceiling
 from forest_description.geometry.kinematics import is_singular, joint_rates, tip_position, tip_velocity
+from forest_description.geometry.vectors import scaled
 from forest_description.types import ZERO, Vec3
 
 

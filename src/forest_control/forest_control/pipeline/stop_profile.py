@@ -22,6 +22,7 @@ import math
 from typing import NamedTuple
 
 from forest_description.geometry.kinematics import Links, is_singular, joint_rates, tip_velocity
+from forest_description.geometry.vectors import scaled
 from forest_description.types import Vec3
 
 CLOSED_LOOP = 0.24  # [s] T of a scheme that holds its reference: just inside 0.25 s, softest for the swing
@@ -104,7 +105,7 @@ def is_over(stop: Stop) -> bool:
 def commanded(stop: Stop, s: Vec3, links: Links) -> tuple[Vec3, Vec3]:
     """Return joint rates [rad/s] at measured angles [rad], and the tip velocity [m/s] that they aim at."""
     left = velocity_left(stop)
-    velocity = left * stop.velocity[0], left * stop.velocity[1], left * stop.velocity[2]
+    velocity = scaled(stop.velocity, left)
     if is_singular(s, links):
-        return (left * stop.rates[0], left * stop.rates[1], left * stop.rates[2]), velocity
+        return scaled(stop.rates, left), velocity
     return joint_rates(s, velocity, links), velocity

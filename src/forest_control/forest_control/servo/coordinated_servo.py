@@ -28,6 +28,7 @@ from forest_control.servo.schemes import ERROR_LAG, FULL_RATE, Gains, Signals, c
 from forest_control.servo.stalled_joints import JointMotion, is_ahead, is_slow, is_stalled, updated_motion
 from forest_control.servo.swing_feedforward import SwingModel, inertia
 from forest_description.derived.actuator_kinematics import Linkages, actuator_speeds_to_joint_rates
+from forest_description.geometry.vectors import minus, norm, plus, scaled
 from forest_description.types import ZERO, Vec3
 
 REST_RATE = 1e-4  # [rad/s] a reference slower than this rests: 0.6 mm/s of the tip; chosen
@@ -104,12 +105,11 @@ def settle(reference: Vec3, s: Vec3, memory: Memory) -> tuple[Vec3, Memory]:
 
 def ramped(velocity: Vec3, target: Vec3, acceleration: float, dt: float) -> Vec3:
     """Return the reference velocity [m/s] after dt [s] on the way to a target, at most so accelerated."""
-    x, y, z = target[0] - velocity[0], target[1] - velocity[1], target[2] - velocity[2]
-    size, most = math.sqrt(x * x + y * y + z * z), acceleration * dt
+    change, most = minus(target, velocity), acceleration * dt
+    size = norm(change)
     if size <= most:
         return target
-    part = most / size
-    return velocity[0] + part * x, velocity[1] + part * y, velocity[2] + part * z
+    return plus(velocity, scaled(change, most / size))
 
 
 def servo(
@@ -141,8 +141,7 @@ def servo(
     b_3, jerk_3 = _smooth_acceleration(m_3, a[2], p, dt)
     inch = actuator_speeds_to_joint_rates(s, p.inches, p.linkages)
     m_11 = inertia(r, p.swing)
-    ahead = pushed(r, (b_1, b_2, b_3), m_11, p.swing.compliance, p.arm)
-    s = s[0] - ahead[0], s[1] - ahead[1], s[2] - ahead[2]
+    s = minus(s, pushed(r, (b_1, b_2, b_3), m_11, p.swing.compliance, p.arm))
     torque, extra = _swing_forward(memory.torque, a[0], b_1, jerk, m_11, p, dt)
     yields = yielding_rates(r, a, (b_1, b_2, b_3), (jerk, jerk_2, jerk_3), p.arm)
     x_1 = Signals(a=a[0], b=b_1, r=r[0], s=s[0], v=v[0], w=extra)
