@@ -14,7 +14,7 @@ all references rest, the joints are soon inched to their places (`inching`).
 
 Boom and stick oscillate on their oil at some 8 Hz, which a valve that is open a little hardly
 damps. An unfiltered position error feeds that oscillation in slow motion. Behind the low-pass of
-`ERROR_LAG` the error lags by more than a quarter of a period, and damps. From `FULL_RATE` on the
+`ERROR_LAG` the error lags by more than a quarter of a period, and damps. From `schemes.FULL_RATE` on the
 valve itself damps, and the error acts unfiltered.
 """
 
@@ -24,7 +24,7 @@ from typing import NamedTuple
 from forest_control.servo.arm_feedforward import ArmModel, yielding_rates
 from forest_control.servo.inching import ARRIVED, MOVING, Inching, inched, is_due, served
 from forest_control.servo.link_bending import pushed
-from forest_control.servo.schemes import ERROR_LAG, FULL_RATE, Gains, Signals, coordinated
+from forest_control.servo.schemes import ERROR_LAG, Gains, Signals, coordinated, motion_weight
 from forest_control.servo.stalled_joints import JointMotion, is_ahead, is_slow, is_stalled, updated_motion
 from forest_control.servo.swing_feedforward import SwingModel, inertia
 from forest_description.derived.actuator_kinematics import Linkages, actuator_speeds_to_joint_rates
@@ -238,8 +238,7 @@ def _joint_servo(
     learns = not (stalled and is_ahead(x.a, error)) and (not still or (not shut and not holds))
     grown = memory.w + dt * p.integral[i] * error if learns else memory.w
     w = max(-p.integral_limit, min(p.integral_limit, grown))
-    part = x.a / FULL_RATE
-    quick = 1.0 if i == 0 else min(1.0, part * part)
+    quick = 1.0 if i == 0 else motion_weight(x.a)
     # At rest there is time for less noise: a valve that feeds what leaks would follow it.
     calm = still and (shut or memory.inching.rested >= ARRIVED)
     fed_back = filtered if calm else filtered + quick * (error - filtered)
