@@ -45,7 +45,8 @@ def run(step, state, p, arguments):
     told = []
     for k, inputs in enumerate(arguments):
         if k == 75 and isinstance(p, controller_settings.Parameters):
-            p, state = p._replace(lead=0.5 * p.lead), state._replace(changed=True)
+            p = p._replace(following_error_limit=0.5 * p.following_error_limit)
+            state = state._replace(changed=True)
         state, output = step(state, *inputs, p, DT)
         told.append(output)
     return told, state.built if hasattr(state, "built") else state

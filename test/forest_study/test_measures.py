@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from forest_control.taught.tip_path import distance_from, fastest, polyline
+from forest_control.taught.tip_path import cross_track_distance, fastest, polyline
 from forest_msgs_py.types import PERIOD
 from forest_study.measures import NEAR, deviation, ideal, line_of, time_lost
 from forest_study.tracking.paths import path_named
@@ -38,7 +38,7 @@ def test_the_distance_is_that_of_the_nearest_of_very_many_places(path):
     on = np.array([path.at(s) for s in generator.uniform(0.0, path.length, 40).tolist()])
     off = on + generator.normal(size=on.shape) * np.repeat([[2e-4], [5e-3], [0.1], [0.4]], 10, axis=0)
     brute = [nearest(path, place) for place in off]
-    np.testing.assert_allclose(distance_from(line_of(path), off), brute, atol=2e-7)
+    np.testing.assert_allclose(cross_track_distance(line_of(path), off), brute, atol=2e-7)
 
 
 def nearest(path, place):
@@ -55,11 +55,11 @@ def nearest(path, place):
 def test_a_point_that_stands_several_times_on_a_line_changes_nothing():
     line = np.array([[0.0, 0, 0], [1.0, 0, 0], [1.0, 0, 0], [1.0, 0, 0], [1.0, 1.0, 0]])
     places = np.array([[0.9, -0.2, 0], [1.3, 0.4, 0], [-1.0, 0, 0]])
-    np.testing.assert_allclose(distance_from(line, places), [0.2, 0.3, 1.0])
+    np.testing.assert_allclose(cross_track_distance(line, places), [0.2, 0.3, 1.0])
 
 
 def test_a_tip_that_stands_has_one_place_as_its_line():
-    assert distance_from(np.zeros((5, 3)), np.array([[3.0, 4.0, 0.0]])) == pytest.approx([5.0])
+    assert cross_track_distance(np.zeros((5, 3)), np.array([[3.0, 4.0, 0.0]])) == pytest.approx([5.0])
 
 
 def test_a_delay_costs_speed_times_delay_of_the_wish_no_cross_track_and_its_time(path):
@@ -72,7 +72,7 @@ def test_a_delay_costs_speed_times_delay_of_the_wish_no_cross_track_and_its_time
     chord = 2.0 * math.sin(0.5 * SPEED * delay) if path.name.startswith("circle") else SPEED * delay
     assert wish[straight] == pytest.approx(chord, rel=1e-3)
     assert wish.max() <= SPEED * delay + 1e-9
-    assert distance_from(line_of(path), tips).max() < 1e-6
+    assert cross_track_distance(line_of(path), tips).max() < 1e-6
     assert time_lost(path, profile, times, tips) == pytest.approx(delay, abs=2e-3)
 
 
@@ -91,7 +91,7 @@ def test_a_run_that_a_limit_slows_stays_on_its_path_and_is_late(path):
     at = path.length - NEAR
     late = np.interp(at, slow.way, slow.time) - np.interp(at, profile.way, profile.time)
     assert time_lost(path, profile, times, tips) == pytest.approx(late, abs=5e-3)
-    assert distance_from(line_of(path), tips).max() < 1e-6
+    assert cross_track_distance(line_of(path), tips).max() < 1e-6
     assert deviation(np.linalg.norm(tips - ideal(path, profile, times), axis=1)).max_mm > 300.0
 
 
@@ -108,7 +108,7 @@ def test_what_is_beside_the_path_costs_no_time_and_is_all_cross_track():
     profile = profile_of(path)
     times = times_of(profile)
     tips = ideal(path, profile, times) + np.array([0.03, 0.0, 0.04])
-    assert distance_from(line_of(path), tips) == pytest.approx(0.05)
+    assert cross_track_distance(line_of(path), tips) == pytest.approx(0.05)
     assert time_lost(path, profile, times, tips) == pytest.approx(0.0, abs=1e-9)
 
 

@@ -5,9 +5,8 @@ from typing import Any
 
 from forest_bringup.supervisor import NodeSpec
 
-END_WITH_LAUNCH = (
-    "setpriv --pdeathsig TERM"  # of util-linux: no orphan commands a crane after `kill -9` of launch
-)
+# Of util-linux: no orphan commands a crane after `kill -9` of launch.
+END_WITH_LAUNCH = "setpriv --pdeathsig TERM"
 Nodes = Callable[[Sequence[str]], tuple[str, Sequence[NodeSpec]]]
 
 

@@ -27,7 +27,7 @@ Step = Callable[..., tuple[Any, Any]]
 # What is seldom called stays a function; all else is inlined.
 NOINLINE = (
     *(motion_command.stop_command, bumpless_transfer.taken_over, kinematics.nearest_pose),
-    *(stop_profile.share,),
+    *(stop_profile.velocity_left,),
     *(workspace.wall_scaling, workspace.slide, operator_profile.position_mode_velocity),
 )
 

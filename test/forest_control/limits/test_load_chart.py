@@ -15,8 +15,8 @@ from forest_control.limits.load_moment import (
     allowed_load,
     allowed_speed,
     believed_mass,
+    load_scale,
     loading,
-    loading_share,
     unloaded,
 )
 from forest_control.pipeline.control_state import REST
@@ -42,7 +42,7 @@ def test_the_chart_is_straight_between_its_points():
     free = load_moment.capacity(C180)
     assert allowed_load(8.0, free) == math.inf
     told = loading(9000.0, pose_at(TIP, C180), C180.manipulator.links, free)
-    assert (told.mass, told.allowed, told.share) == (9000.0, math.inf, 0.0)
+    assert (told.mass, told.allowed, told.utilisation) == (9000.0, math.inf, 0.0)
     assert told.reach == pytest.approx(6.5)
 
 
@@ -75,30 +75,30 @@ def parts(p, v):
 def test_what_is_not_weighed_counts_as_all_that_is_allowed():
     c, q = load_moment.capacity(REAL), pose_at(TIP, REAL)
     links = REAL.manipulator.links
-    assert loading(math.nan, q, links, c).share == 1.0
+    assert loading(math.nan, q, links, c).utilisation == 1.0
     loader = load_machine("loader")
     near = pose_at((loader.manipulator.links.base_offset + 0.7, 0.0, -1.9), loader)
     told = loading(math.nan, near, loader.manipulator.links, load_moment.capacity(loader))
-    assert told.share == 0.0  # or the crane could not get away from where nothing can be weighed
+    assert told.utilisation == 0.0  # or the crane could not get away from where nothing can be weighed
     c180 = REAL.manipulator.links
     for ahead, share in ((0.98, 0.0), (1.02, 1.0)):  # [m] of the tip from the boom's pivot
         boom = 1.2  # [rad]
         stick = math.acos((ahead - c180.boom * math.cos(boom)) / c180.stick) - boom
-        assert loading(math.nan, (0.4, boom, stick), c180, c).share == share
-    assert loading(-50.0, q, links, c).share == 0.0
+        assert loading(math.nan, (0.4, boom, stick), c180, c).utilisation == share
+    assert loading(-50.0, q, links, c).utilisation == 0.0
     told = loading(575.0, q, links, c)
     assert told.reach == pytest.approx(math.hypot(*tip_position(q, links)[:2]))
-    assert told.share == pytest.approx(0.5)
+    assert told.utilisation == pytest.approx(0.5)
     assert allowed_speed(told) == pytest.approx(told.reach)
-    assert allowed_speed(told._replace(share=1.3)) == 0.0
-    assert unloaded(TIP, ZERO, told._replace(share=1.3), keeps_path=False)[0] == ZERO
+    assert allowed_speed(told._replace(utilisation=1.3)) == 0.0
+    assert unloaded(TIP, ZERO, told._replace(utilisation=1.3), keeps_path=False)[0] == ZERO
 
 
 def test_the_numbers_are_what_the_documents_promise():
     assert (load_moment.WARNED, load_moment.APPROACH) == (0.9, 1.0)
     empty = Loading(0.0, 5.0, 1000.0, 0.0)
     assert allowed_speed(empty) == math.inf
-    assert allowed_speed(empty._replace(share=0.8)) == pytest.approx(5.0 * (1.0 / 0.8 - 1.0))
+    assert allowed_speed(empty._replace(utilisation=0.8)) == pytest.approx(5.0 * (1.0 / 0.8 - 1.0))
 
 
 def test_nothing_is_known_of_what_was_not_looked_at_and_reach_has_no_sign():
@@ -116,7 +116,7 @@ def test_at_the_capacity_each_part_that_loads_is_taken_away_and_no_other():
     slid, left = unloaded(TIP, (-0.2, 0.1, 0.5), full, keeps_path=False)
     assert slid == pytest.approx((-0.2, 0.1, 0.2))  # up as far as it goes inward
     assert left == pytest.approx(0.3 / math.sqrt(0.3))
-    half = full._replace(share=0.95)
+    half = full._replace(utilisation=0.95)
     most = allowed_speed(half)
     slid, _ = unloaded(TIP, (0.5, 0.0, 0.5), half, keeps_path=False)
     assert slid == pytest.approx((most / 2, 0.0, most / 2))
@@ -125,9 +125,9 @@ def test_at_the_capacity_each_part_that_loads_is_taken_away_and_no_other():
 def test_joints_are_scaled_as_a_whole_and_the_load_at_the_column_is_that_of_any_direction():
     q, links = pose_at(TIP, REAL), REAL.manipulator.links
     load = loading(2000.0, q, links, load_moment.capacity(REAL))
-    assert loading_share(q, (0.1, 0.0, 0.0), links, load) == 1.0
-    assert loading_share(q, (0.0, 0.1, 0.0), links, load) == 0.0
-    assert loading_share(q, (0.2, 0.1, 0.0), links, load) == 0.0
+    assert load_scale(q, (0.1, 0.0, 0.0), links, load) == 1.0
+    assert load_scale(q, (0.0, 0.1, 0.0), links, load) == 0.0
+    assert load_scale(q, (0.2, 0.1, 0.0), links, load) == 0.0
     assert unloaded((0.0, 0.0, 1.0), (0.3, 0.0, 0.0), load, keeps_path=True)[1] == 0.0
     assert unloaded((0.0, 0.0, 1.0), (0.0, 0.3, 0.0), load, keeps_path=True)[1] == 1.0
 

@@ -66,7 +66,7 @@ def test_a_crane_that_carries_too_much_moves_neither_outward_nor_up_and_says_why
     assert np.linalg.norm(way(told)) < 0.01
     assert all(one.output.scaling.limit == Limit.LOAD for one in told[105:])
     assert told[-1].output.scaling.factor < 0.1  # sliding aside: a heading is never exact
-    assert told[-1].output.loading.share > 1.05
+    assert told[-1].output.loading.utilisation > 1.05
 
 
 @pytest.mark.parametrize("velocity", [DOWN, IN])
@@ -109,7 +109,7 @@ def test_a_machine_without_capacity_has_no_such_limit():
     assert C180.capacity is None
     told = driven(wished(OUT), machine=C180, periods=300)
     assert way(told)[0] > 0.3
-    assert told[-1].output.loading.share == 0.0
+    assert told[-1].output.loading.utilisation == 0.0
     assert told[-1].output.loading.mass == pytest.approx(HEAVY, rel=0.05)
 
 

@@ -169,9 +169,9 @@ def test_torque_and_rates_pass_one_low_pass_and_the_first_sample_is_taken_whole(
     assert first.rates == pytest.approx((0.1, -0.2))
     assert first.mass == first.counted == pytest.approx(5e3 / (C.gravity * places(Q)[1][0]))
     second = weighed(first, Q, (0.0, 0.3, 0.4), pressed(own_weight(Q, C) + 9e3), SMOOTH, PERIOD)
-    share = 1.0 - math.exp(-PERIOD / 0.1)
-    assert second.torque == pytest.approx(5e3 + share * 4e3)
-    assert second.rates == pytest.approx((0.1 + share * 0.2, -0.2 + share * 0.6))
+    smoothing = 1.0 - math.exp(-PERIOD / 0.1)
+    assert second.torque == pytest.approx(5e3 + smoothing * 4e3)
+    assert second.rates == pytest.approx((0.1 + smoothing * 0.2, -0.2 + smoothing * 0.6))
 
 
 @pytest.mark.parametrize("speed", [0.0, 0.003, -0.003, 0.006, -0.02])

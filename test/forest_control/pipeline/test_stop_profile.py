@@ -16,28 +16,28 @@ CLOSED_LOOP, OPEN_LOOP = 0.24, 0.16  # [s] as docs/explanation/safety.md tells
 TIMES = np.linspace(0.0, CLOSED_LOOP, 2001)
 
 
-def shares(of=stop_profile.share):
+def left_over_time(of=stop_profile.velocity_left):
     begun = stop_profile.NO_STOP._replace(duration=CLOSED_LOOP)
     return np.array([of(begun._replace(elapsed=time)) for time in TIMES.tolist()])
 
 
 def test_the_velocity_falls_to_nothing_on_the_way_that_is_told():
-    left = shares()
+    left = left_over_time()
     assert (left[0], left[-1]) == (1.0, 0.0)
     assert np.all(np.diff(left) < 0.0)
     assert left.mean() == pytest.approx(4.0 / 9.0, abs=1e-3)
 
 
 def test_the_deceleration_is_the_one_that_is_told_and_vanishes_at_both_ends():
-    braking = -np.gradient(shares(), TIMES) * CLOSED_LOOP
+    braking = -np.gradient(left_over_time(), TIMES) * CLOSED_LOOP
     assert braking.max() == pytest.approx(1.63, abs=5e-3)
     assert max(braking[0], braking[-1]) < 0.01
 
 
 def test_the_reference_goes_by_what_was_commanded_a_lag_ago():
     lag = round(0.015 / (TIMES[1] - TIMES[0]))
-    late = shares(stop_profile.share_late)
-    np.testing.assert_allclose(late[lag:], shares()[:-lag], atol=2e-3)
+    late = left_over_time(stop_profile.lagged_velocity_left)
+    np.testing.assert_allclose(late[lag:], left_over_time()[:-lag], atol=2e-3)
     assert np.all(late[: lag - 1] == 1.0)
 
 
@@ -88,11 +88,11 @@ def test_a_joint_that_stalled_a_hundredth_of_a_radian_off_its_reference_is_not_p
 @pytest.mark.parametrize("duration", [CLOSED_LOOP, OPEN_LOOP])
 def test_a_stop_begins_with_all_of_the_velocity_and_is_over_in_its_time(duration):
     stop, steps = stop_profile.begin(duration, (0.1, 0.1, 0.1), (0.1, 0.2, 0.3), POSE, LINKS), 0
-    assert stop_profile.share(stop) == stop_profile.share_late(stop) == 1.0
+    assert stop_profile.velocity_left(stop) == stop_profile.lagged_velocity_left(stop) == 1.0
     while not stop_profile.is_over(stop):
         stop, steps = stop_profile.advanced(stop, duration / 32), steps + 1
     assert steps == 32
-    assert stop_profile.share(stop) == 0.0
+    assert stop_profile.velocity_left(stop) == 0.0
     assert stop_profile.is_over(stop._replace(elapsed=duration))
     assert not stop_profile.is_over(stop._replace(elapsed=0.999 * duration))
 
@@ -122,7 +122,7 @@ def test_where_the_tip_has_no_direction_left_each_joint_slows_down_by_itself():
     u = (0.1, -0.2, 0.3)
     stop = begun_at(STRAIGHT, u, 0.5)
     rates, aimed = stop_profile.commanded(stop, STRAIGHT, LINKS)
-    left = stop_profile.share(stop)
+    left = stop_profile.velocity_left(stop)
     assert 0.3 < left < 0.5
     assert rates == pytest.approx(tuple(left * rate for rate in u))
     assert aimed == pytest.approx(np.multiply(left, tip_velocity(STRAIGHT, u, LINKS)))

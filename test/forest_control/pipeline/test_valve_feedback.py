@@ -81,12 +81,12 @@ def test_before_anybody_has_spoken_the_valves_are_as_filed_and_shut(reports):
     assert reports.read()[:2] == (FULL, SHUT)
 
 
-def test_what_the_driver_has_learnt_lowers_the_reach_of_that_valve_and_way(pace, reports):
+def test_what_the_driver_has_learnt_lowers_the_opening_ratio_of_that_valve_and_way(pace, reports):
     put_status(pace, stick_backward_gain=0.6, swing_forward_deadband=DEADBAND + 0.5)
-    reach = reports.read().reach
-    assert reach.backward == pytest.approx((1.0, 1.0, 0.6))
-    assert reach.forward[0] < 1.0
-    assert reach.forward[1:] == (1.0, 1.0)
+    ratio = reports.read().opening_ratio
+    assert ratio.backward == pytest.approx((1.0, 1.0, 0.6))
+    assert ratio.forward[0] < 1.0
+    assert ratio.forward[1:] == (1.0, 1.0)
 
 
 def test_what_was_learnt_is_forgotten_when_the_driver_says_it_no_more(pace, reports):
@@ -159,12 +159,12 @@ def test_each_valve_and_way_is_judged_by_its_own_law(pace, axis, way):
     name = f"{topics.JOINTS[axis]}_{way}"
     wider = as_filed[f"{name}_deadband"] + 0.5
     put_status(pace, **{**as_filed, f"{name}_deadband": wider, f"{name}_gain": 0.8})
-    reach = reports.read().reach
+    ratio = reports.read().opening_ratio
     span = edges[name].rated_voltage - edges[name].deadband_voltage
     expected = {"forward": [1.0] * 3, "backward": [1.0] * 3}
     expected[way][axis] = 0.8 * (span - 0.5) / span
-    assert reach.forward == pytest.approx(tuple(expected["forward"]))
-    assert reach.backward == pytest.approx(tuple(expected["backward"]))
+    assert ratio.forward == pytest.approx(tuple(expected["forward"]))
+    assert ratio.backward == pytest.approx(tuple(expected["backward"]))
 
 
 def test_a_driver_has_its_time_to_speak_and_to_open_a_valve_and_no_more(pace, reports, guard):

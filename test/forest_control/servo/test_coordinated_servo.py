@@ -19,7 +19,7 @@ P = parameters(C180, Settings(scheme=Scheme.COORDINATED))
 LINKS = C180.manipulator.links
 START = inverse_kinematics((5.5, 0.0, 1.0), LINKS)
 ZERO = (0.0, 0.0, 0.0)
-HELD = coordinated_servo.HELD
+HOLD = coordinated_servo.HOLD_RATE
 PERIOD = 0.005
 
 
@@ -54,14 +54,14 @@ def test_a_resting_joint_holds_until_its_error_has_grown():
     c, memory = P.coordinated, coordinated_servo.REST
     for _ in range(200):
         memory, u = coordinated_servo.servo(memory, ZERO, (2.5e-4, 0.0, 0.0), ZERO, ZERO, ZERO, c, PERIOD)
-        assert u == (HELD, HELD, HELD)
+        assert u == (HOLD, HOLD, HOLD)
         assert coordinated_servo.inches(memory) == ZERO
     asked = 0.0
     for _ in range(100):
         memory, u = coordinated_servo.servo(memory, ZERO, (4e-4, 0.0, 0.0), ZERO, ZERO, ZERO, c, PERIOD)
         asked += PERIOD * coordinated_servo.inches(memory)[0]
     assert 0.0 < asked < 4e-4
-    assert u == (HELD, HELD, HELD)
+    assert u == (HOLD, HOLD, HOLD)
     assert coordinated_servo.inches(memory)[1:] == (0.0, 0.0)
 
 
@@ -69,7 +69,7 @@ def test_a_joint_holds_while_only_others_are_wished_to_move():
     c, memory, a = P.coordinated, coordinated_servo.REST, (0.0, 0.1, 0.0)
     for _ in range(4000):
         memory, u = coordinated_servo.servo(memory, a, (5e-5, 0.0, 0.0), ZERO, ZERO, ZERO, c, PERIOD)
-        assert u[0] == HELD
+        assert u[0] == HOLD
         assert u[1] > 0.0
     assert memory.swing.w == 0.0  # for nothing that it could do
 
@@ -86,7 +86,7 @@ def test_the_integral_of_a_resting_joint_learns_only_while_its_valve_is_open():
     assert learnt[1.1] > 0.01
     for _ in range(200):
         memory, u = coordinated_servo.servo(memory, ZERO, ZERO, ZERO, ZERO, ZERO, c, PERIOD)
-    assert (memory.swing.w, u[0]) == (learnt[1.1], HELD)  # it has opened the valve, and is done
+    assert (memory.swing.w, u[0]) == (learnt[1.1], HOLD)  # it has opened the valve, and is done
 
 
 def test_the_reference_starts_from_the_mean_of_what_was_measured_at_rest():

@@ -6,7 +6,7 @@ from dataclasses import replace
 import pytest
 
 from forest_control.limits.actuator_speed_limits import joint_rate_limits, speed_limit_parameters
-from forest_control.valve.tracking_limit import Reach
+from forest_control.valve.tracking_limit import OpeningRatio
 from forest_control.valve.valve_driver import REST, Motion, Pressures, step
 from forest_control.valve.valve_driver_parameters import Settings, parameters
 from forest_control.valve.valve_inverse import required_opening
@@ -17,7 +17,7 @@ from forest_description.machine import load_machine
 
 FORWARDER = load_machine("forwarder")
 P = parameters(FORWARDER, Settings())
-FULL = Reach((1.0, 1.0, 1.0), (1.0, 1.0, 1.0))
+FULL = OpeningRatio((1.0, 1.0, 1.0), (1.0, 1.0, 1.0))
 
 
 def test_what_a_compensator_leaves_the_spools_edge():

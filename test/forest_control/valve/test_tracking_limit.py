@@ -1,4 +1,4 @@
-"""Claims about valves that reach less than their file says, and joints that cannot follow."""
+"""Claims about valves that open less than their file says, and joints that cannot follow."""
 
 import math
 
@@ -9,10 +9,10 @@ from forest_control.valve.spool_model import SpoolLaw
 from forest_control.valve.tracking_limit import (
     FULL,
     NO_TRACKING_LIMIT,
-    Reach,
+    OpeningRatio,
     bounded,
     ceiling,
-    learnt_reach,
+    learnt_opening_ratio,
     open_wide,
     updated_limits,
 )
@@ -44,19 +44,23 @@ def slow(bandwidth):
     return tuple(axis._replace(spool=SpoolLaw(lag)) for axis in AXES)
 
 
-def test_a_valve_as_filed_reaches_everything_and_one_that_is_not_known_counts_as_such():
-    assert learnt_reach((NO_ESTIMATE,) * 3, AXES) == FULL == Reach((1.0, 1.0, 1.0), (1.0, 1.0, 1.0))
-    assert [bounded(share) for share in (math.nan, math.inf, -math.inf)] == [1.0, 1.0, 1.0]
+def test_a_valve_as_filed_opens_wholly_and_one_that_is_not_known_counts_as_such():
+    assert (
+        learnt_opening_ratio((NO_ESTIMATE,) * 3, AXES)
+        == FULL
+        == OpeningRatio((1.0, 1.0, 1.0), (1.0, 1.0, 1.0))
+    )
+    assert [bounded(ratio) for ratio in (math.nan, math.inf, -math.inf)] == [1.0, 1.0, 1.0]
     assert (bounded(1e-3), bounded(0.7), bounded(7.0)) == (0.2, 0.7, 1.0)
 
 
-def test_a_weaker_valve_with_a_wider_overlap_reaches_what_is_left():
+def test_a_weaker_valve_with_a_wider_overlap_opens_as_far_as_is_left():
     weak = NO_ESTIMATE._replace(backward=DirectionEstimate(deadband=0.15, stretch=1.0 / 0.6 - 1.0))
-    reach = learnt_reach((NO_ESTIMATE, NO_ESTIMATE, weak), AXES)
+    ratio = learnt_opening_ratio((NO_ESTIMATE, NO_ESTIMATE, weak), AXES)
     law = C180.valve_of(2).law.backward
     span = law.rated_voltage - law.deadband_voltage
-    assert reach.backward == pytest.approx((1.0, 1.0, 0.6 * (span - 0.15) / span))
-    assert reach.forward == (1.0, 1.0, 1.0)
+    assert ratio.backward == pytest.approx((1.0, 1.0, 0.6 * (span - 0.15) / span))
+    assert ratio.forward == (1.0, 1.0, 1.0)
 
 
 def test_planned_rates_are_those_of_the_weaker_plant():
@@ -69,8 +73,8 @@ def test_planned_rates_are_those_of_the_weaker_plant():
     for _ in range(800):
         simulation = integrator.step(simulation, (0.0, 0.0, 9.999), 0.001, plant)
     joints = true_joints(simulation, plant)
-    reach = Reach((1.0, 1.0, 0.6), (1.0, 1.0, 0.6))
-    planned = joint_rate_limits(joints.position, joints.speed, CAPACITY, reach)[2] / RESERVE
+    ratio = OpeningRatio((1.0, 1.0, 0.6), (1.0, 1.0, 0.6))
+    planned = joint_rate_limits(joints.position, joints.speed, CAPACITY, ratio)[2] / RESERVE
     assert planned == pytest.approx(abs(joints.speed[2]), rel=0.05)
     assert joint_rate_limits(joints.position, joints.speed, CAPACITY, FULL)[2] / RESERVE > 1.3 * planned
 
@@ -115,13 +119,13 @@ def test_what_is_learnt_of_one_way_of_one_valve_is_no_other_s(joint, way):
         axes.append(axis._replace(valve=axis.valve._replace(forward=ahead, backward=back)))
     estimates = [NO_ESTIMATE] * 3
     estimates[joint] = NO_ESTIMATE._replace(**{way: DirectionEstimate(deadband=0.5)})
-    reach = learnt_reach(tuple(estimates), tuple(axes))
+    ratio = learnt_opening_ratio(tuple(estimates), tuple(axes))
     edge = getattr(axes[joint].valve, way)
     left = 1.0 - 0.5 / (edge.rated_voltage - edge.deadband_voltage)
     expected = {"forward": [1.0] * 3, "backward": [1.0] * 3}
     expected[way][joint] = left
-    assert reach.forward == pytest.approx(tuple(expected["forward"]))
-    assert reach.backward == pytest.approx(tuple(expected["backward"]))
+    assert ratio.forward == pytest.approx(tuple(expected["forward"]))
+    assert ratio.backward == pytest.approx(tuple(expected["backward"]))
 
 
 @pytest.mark.parametrize("sign", [-1.0, 1.0])

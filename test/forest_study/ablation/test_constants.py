@@ -11,9 +11,9 @@ from forest_study.results import StudyError
 
 AFTER_A_CHANGE = """
 from forest_study.ablation.constants import changed
-settings = changed({"servo.schemes.FULL_RATE": 0.2, "controller.lead": 0.1, "servo.schemes.REST_RATE": 1.0})
+settings = changed({"servo.schemes.ERROR_LAG": 0.2, "controller.lead": 0.1, "servo.schemes.REST_RATE": 1.0})
 from forest_control.servo import coordinated_servo, schemes
-print(schemes.FULL_RATE, coordinated_servo.FULL_RATE, settings.control.lead)
+print(schemes.ERROR_LAG, coordinated_servo.ERROR_LAG, settings.control.lead)
 print(schemes.REST_RATE, coordinated_servo.REST_RATE)
 """
 GAINS = """
@@ -28,9 +28,9 @@ AT_RUNTIME = """
 from forest_study.ablation.constants import at_runtime, changed
 from forest_control.safety import overloaded_joint
 from forest_control.servo import coordinated_servo, schemes
-changed({"servo.schemes.FULL_RATE": 0.2})
+changed({"servo.schemes.ERROR_LAG": 0.2})
 row = at_runtime()
-print(row[schemes.FULL_RATE.place], row[coordinated_servo.FULL_RATE.place], schemes.FULL_RATE)
+print(row[schemes.ERROR_LAG.place], row[coordinated_servo.ERROR_LAG.place], schemes.ERROR_LAG)
 print(*(row[time.place] for time in overloaded_joint.LONG), type(coordinated_servo.MOST_SAMPLES).__name__)
 """
 
@@ -54,7 +54,7 @@ def test_constants_of_a_room_and_settings_of_a_node_are_found():
     found = numbers(("servo", "controller"), load_machine("c180_hoses"))
     assert found["servo.inching.LOOK"] == 0.35
     assert found["controller.feedback_gain"][1] == 5.0
-    assert "servo.coordinated_servo.FULL_RATE" not in found  # imported: it has one home
+    assert "servo.coordinated_servo.ERROR_LAG" not in found  # imported: it has one home
     assert "controller.anti_sway" not in found  # no number
     assert "servo.coordinated_servo.MOST_SAMPLES" not in found  # a size
 

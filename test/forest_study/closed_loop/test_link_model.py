@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from forest_control.valve.tracking_limit import FULL, Reach
+from forest_control.valve.tracking_limit import FULL, OpeningRatio
 from forest_study.closed_loop.link_model import Link, LinkError, Quality, Reports, reported
 
 
@@ -45,11 +45,11 @@ def test_what_cannot_be_is_refused(bad):
         Link(bad)
 
 
-def test_in_lockstep_a_reach_is_said_every_twentieth_step_and_heard_two_such_spans_later():
+def test_in_lockstep_an_opening_ratio_is_said_every_twentieth_step_and_heard_two_such_spans_later():
     reports, steps = Reports(), 200
     for step in range(1, steps + 1):
-        by_now = Reach((step / steps,) * 3, (0.0,) * 3)
+        by_now = OpeningRatio((step / steps,) * 3, (0.0,) * 3)
         reports = reported(reports, by_now)
         said = 20 * (step // 20 - 2) + 1
-        heard = Reach((said / steps,) * 3, (0.0,) * 3) if said > 0 else FULL
-        assert reports.reach == heard, step
+        heard = OpeningRatio((said / steps,) * 3, (0.0,) * 3) if said > 0 else FULL
+        assert reports.heard == heard, step

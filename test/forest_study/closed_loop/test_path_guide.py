@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from forest_control.config import controller_settings
-from forest_control.taught.tip_path import distance_from
+from forest_control.taught.tip_path import cross_track_distance
 from forest_msgs_py.types import PERIOD
 from forest_study.closed_loop.path_guide import Guide, Hand, answered, asked, levers_for, place_at
 
@@ -52,14 +52,14 @@ def test_a_limit_costs_time_and_not_the_path(late):
     places = profile()
     found = led(places, halved, late, float(late))
     assert len(found) == pytest.approx(2 * REST + 2 * len(CIRCLE), abs=16)
-    assert distance_from(CIRCLE, found[:, 1:]).max() < (1e-3 if late else 1e-4)
+    assert cross_track_distance(CIRCLE, found[:, 1:]).max() < (1e-3 if late else 1e-4)
     assert np.linalg.norm(found[-1, 1:] - CIRCLE[-1]) < 4.1e-3  # the lead, at a speed that does not ramp down
 
 
 def test_a_limit_that_acts_for_a_while_is_paid_by_its_own_time():
     found = led(profile(), lambda row, v: halved(row, v) if 300 <= row < 500 else v)
     assert len(found) == pytest.approx(len(profile()) + 100, abs=6)
-    assert distance_from(CIRCLE, found[:, 1:]).max() < 1e-4
+    assert cross_track_distance(CIRCLE, found[:, 1:]).max() < 1e-4
 
 
 def test_a_reference_that_is_pushed_aside_is_led_back():
@@ -92,7 +92,7 @@ def test_a_corner_is_gone_through_though_the_reference_is_late():
     other = np.column_stack([np.full(300, 0.3), 0.3 * ramp, np.zeros(300)])
     corner = np.vstack([one, other])
     found = led(profile(corner), late=20, latency=20.0)
-    assert distance_from(corner, found[:, 1:]).max() < 2e-3
+    assert cross_track_distance(corner, found[:, 1:]).max() < 2e-3
     assert np.linalg.norm(found[-1, 1:] - corner[-1]) < 1e-3
 
 

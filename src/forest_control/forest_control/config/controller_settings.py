@@ -115,7 +115,7 @@ class Parameters(NamedTuple):
     gains: tuple[Gains, Gains, Gains]
     jacobian_at_joints: bool
     velocity_limits: VelocityLimits
-    lead: float  # [rad] the reference may run ahead of the joint, so that a stalled joint does not wind up
+    following_error_limit: float  # [rad] of reference and joint, so that a stalled joint does not wind up
     links: Links
     linkages: Linkages
     rated_speeds: Vec3  # [rad/s, m/s, m/s] of an ideal valve at its rated voltage
@@ -139,7 +139,7 @@ def parameters(machine: Machine, settings: Settings, workspace: Workspace = OPEN
         gains=gains,
         jacobian_at_joints=settings.jacobian_at_joints,
         velocity_limits=_velocity_limits(machine, settings),
-        lead=settings.lead,
+        following_error_limit=settings.lead,
         links=machine.manipulator.links,
         linkages=machine.linkages,
         rated_speeds=rated_speeds(machine),

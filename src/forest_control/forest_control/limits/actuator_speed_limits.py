@@ -13,7 +13,7 @@ The greatest speed solves (S + S_h) v^2 + h v = N.
 import math
 from typing import NamedTuple
 
-from forest_control.valve.tracking_limit import Reach
+from forest_control.valve.tracking_limit import OpeningRatio
 from forest_control.valve.valve_driver_parameters import AxisDriver
 from forest_description.derived.actuator_kinematics import Linkages
 from forest_description.derived.bodies import bearing_stick, boom_body
@@ -47,48 +47,48 @@ def gravity_torques(q: Vec3, c: SpeedLimitParameters) -> tuple[float, float]:
     return boom + c.stick_weight * c.boom_length * c_2 + stick, stick
 
 
-def joint_rate_limits(q: Vec3, rates: Vec3, c: SpeedLimitParameters, reach: Reach) -> Vec3:
+def joint_rate_limits(q: Vec3, rates: Vec3, c: SpeedLimitParameters, opening_ratio: OpeningRatio) -> Vec3:
     """Return the joint rates [rad/s], not negative, that the valves can give in the commanded directions.
 
     Args:
         q: joint angles [rad].
         rates: commanded joint rates [rad/s]; their signs count.
         c: what the speeds depend on.
-        reach: parts of the file's openings that the valves reach.
+        opening_ratio: of the valves.
     """
     boom_load, stick_load = gravity_torques(q, c)
     boom, stick = lever_arm(q[1], c.linkages[0]), lever_arm(q[2], c.linkages[1])
     return (
-        _greatest_rate(0, rates[0], 1.0, 0.0, c, reach),
-        _greatest_rate(1, rates[1], boom, boom_load, c, reach),
-        _greatest_rate(2, rates[2], stick, stick_load, c, reach),
+        _greatest_rate(0, rates[0], 1.0, 0.0, c, opening_ratio),
+        _greatest_rate(1, rates[1], boom, boom_load, c, opening_ratio),
+        _greatest_rate(2, rates[2], stick, stick_load, c, opening_ratio),
     )
 
 
 def _greatest_rate(
-    i: int, rate: float, arm: float, torque: float, c: SpeedLimitParameters, reach: Reach
+    i: int, rate: float, arm: float, torque: float, c: SpeedLimitParameters, opening_ratio: OpeningRatio
 ) -> float:
     """Return one joint's greatest rate [rad/s] in its commanded direction, against a torque [N m]."""
     direction = math.copysign(1.0, arm * rate)
-    share = reach.forward[i] if direction > 0.0 else reach.backward[i]
-    return RESERVE * _greatest_speed(direction, torque / arm, share, c.axes[i], c) / abs(arm)
+    ratio = opening_ratio.forward[i] if direction > 0.0 else opening_ratio.backward[i]
+    return RESERVE * _greatest_speed(direction, torque / arm, ratio, c.axes[i], c) / abs(arm)
 
 
 def _greatest_speed(
-    direction: float, load: float, share: float, axis: AxisDriver, c: SpeedLimitParameters
+    direction: float, load: float, ratio: float, axis: AxisDriver, c: SpeedLimitParameters
 ) -> float:
-    """Return one actuator's speed [m/s; rad/s] at a share of the full opening: S goes with 1/share^2."""
+    """Return one actuator's speed [m/s; rad/s] at an opening ratio: S goes with 1/ratio^2."""
     extends = direction > 0.0
     inlet = axis.displacement_1 if extends else axis.displacement_2
     way = axis.valve.forward if extends else axis.valve.backward
     valve = way.resistance_1 * axis.displacement_1**3 + way.resistance_2 * axis.displacement_2**3
     beyond, linear = axis.ahead_square if extends else axis.back_square, axis.hose_linear
-    square = valve / (share * share) + beyond
+    square = valve / (ratio * ratio) + beyond
     force = max(LEAST_SHARE * inlet * c.supply_pressure, inlet * c.supply_pressure - direction * load)
     speed = (math.sqrt(linear * linear + 4.0 * square * force) - linear) / (2.0 * square)
     if axis.metering_drop < math.inf:
         edge = way.resistance_1 if extends else way.resistance_2
-        speed = min(speed, share * math.sqrt(axis.metering_drop / edge) / inlet)
+        speed = min(speed, ratio * math.sqrt(axis.metering_drop / edge) / inlet)
     return min(speed, c.flow_limit / inlet)
 
 

@@ -9,7 +9,7 @@ column that nothing can be weighed there.
 |---|---|---|
 | m, m_a | mass of the load; what is allowed at the reach | kg |
 | r | reach: distance of the tip from the swing axis | m |
-| U | used share of the capacity, m / m_a | |
+| U | utilisation of the capacity, m / m_a | |
 | r', z' | velocity of the tip outward and up | m/s |
 | k | approach rate | 1/s |
 
@@ -25,6 +25,7 @@ from typing import NamedTuple
 from forest_control.limits.load_weighing import LEAST_LEVER
 from forest_control.limits.workspace import NEGLIGIBLE_SPEED
 from forest_description.geometry.kinematics import Links, tip_position, tip_velocity
+from forest_description.geometry.vectors import norm, scaled
 from forest_description.machine import Machine
 from forest_description.mechanics.lifting_capacity import MOST_POINTS
 from forest_description.types import Vec3
@@ -47,7 +48,7 @@ class Loading(NamedTuple):
     mass: float = math.nan  # m [kg]; NaN: not weighed
     reach: float = math.nan  # r [m]
     allowed: float = math.inf  # m_a [kg]
-    share: float = 0.0  # U
+    utilisation: float = 0.0  # U
 
 
 NO_CAPACITY = Capacity((0.0,) * MOST_POINTS, (math.inf,) * MOST_POINTS)  # [m, kg]
@@ -61,8 +62,8 @@ def loading(mass: float, q: Vec3, links: Links, c: Capacity) -> Loading:
         return Loading(mass, reach, allowed, 0.0)
     ahead = links.boom * math.cos(q[1]) + links.stick * math.cos(q[1] + q[2])
     unknown = 1.0 if ahead >= LEAST_LEVER else 0.0  # nearer, nothing can be weighed
-    share = unknown if math.isnan(mass) else max(0.0, mass) / allowed
-    return Loading(mass, reach, allowed, share)
+    utilisation = unknown if math.isnan(mass) else max(0.0, mass) / allowed
+    return Loading(mass, reach, allowed, utilisation)
 
 
 def believed_mass(mass: float, head: float, q: Vec3, links: Links, c: Capacity) -> float:
@@ -90,7 +91,7 @@ def allowed_load(reach: float, c: Capacity) -> float:
 
 
 def unloaded(p: Vec3, velocity: Vec3, load: Loading, keeps_path: bool) -> tuple[Vec3, float]:
-    """Return what the load leaves of a tip velocity [m/s], and the share of its size.
+    """Return what the load leaves of a tip velocity [m/s], and what is left of its size, 0..1.
 
     Args:
         p: place of the tip [m].
@@ -106,7 +107,7 @@ def unloaded(p: Vec3, velocity: Vec3, load: Loading, keeps_path: bool) -> tuple[
         return velocity, 1.0
     left = most / speed
     if keeps_path:
-        return (left * velocity[0], left * velocity[1], left * velocity[2]), left
+        return scaled(velocity, left), left
     if up <= 0.0:
         outward = most
     elif outward <= 0.0:
@@ -114,24 +115,20 @@ def unloaded(p: Vec3, velocity: Vec3, load: Loading, keeps_path: bool) -> tuple[
     else:
         outward, up = left * outward, left * up
     slid = c * outward - s * aside, s * outward + c * aside, up
-    return slid, _size(slid) / _size(velocity)
+    return slid, norm(slid) / norm(velocity)
 
 
-def loading_share(q: Vec3, rates: Vec3, links: Links, load: Loading) -> float:
-    """Return the share 0..1 that the load leaves of joint rates [rad/s] at joint angles [rad]."""
+def load_scale(q: Vec3, rates: Vec3, links: Links, load: Loading) -> float:
+    """Return the factor 0..1 that the load leaves of joint rates [rad/s] at joint angles [rad]."""
     velocity = tip_velocity(q, rates, links)
     return unloaded(tip_position(q, links), velocity, load, keeps_path=True)[1]
 
 
-def _size(v: Vec3) -> float:
-    return math.sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2])
-
-
 def allowed_speed(load: Loading) -> float:
     """Return how fast a motion may load [m/s]."""
-    if load.share <= 0.0:  # an empty head weighs nothing
+    if load.utilisation <= 0.0:  # an empty head weighs nothing
         return math.inf
-    return max(0.0, APPROACH * load.reach * (1.0 / load.share - 1.0))
+    return max(0.0, APPROACH * load.reach * (1.0 / load.utilisation - 1.0))
 
 
 def capacity(machine: Machine) -> Capacity:

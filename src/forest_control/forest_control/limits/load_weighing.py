@@ -98,12 +98,12 @@ def weighed(
     force = c.areas[0] * pressures[0] - c.areas[1] * pressures[1]
     if not math.isfinite(force):
         return before._replace(age=before.age + dt) if before.age + dt <= LOST else UNKNOWN
-    share, arm = 1.0 - math.exp(-dt / AVERAGED), lever_arm(q[1], c.linkage)
+    smoothing, arm = 1.0 - math.exp(-dt / AVERAGED), lever_arm(q[1], c.linkage)
     new, static = math.isnan(before.torque), arm * force - own_weight(q, c)
     kept = static if new else before.torque
     v_2, v_3 = (v[1], v[2]) if new else before.rates
-    rates = v_2 + share * (v[1] - v_2), v_3 + share * (v[2] - v_3)
-    torque = kept + share * (static - kept)
+    rates = v_2 + smoothing * (v[1] - v_2), v_3 + smoothing * (v[2] - v_3)
+    torque = kept + smoothing * (static - kept)
     a_2, a_3 = (v[1] - rates[0]) / AVERAGED, (v[2] - rates[1]) / AVERAGED
     mass, x = before.mass, _tip(q, c)[0]
     if x >= LEAST_LEVER:

@@ -142,13 +142,13 @@ def _way_left(room: float, angle: float, extends: bool, stroke: Stroke) -> float
 
 def _softened(allowed: float, rate: float) -> float:
     """Return a rate [rad/s] below both, without the corner that would make the crane rock."""
-    share = allowed / rate
-    if share >= FAR_OFF:
+    ratio = allowed / rate
+    if ratio >= FAR_OFF:
         return allowed
     # The cubic from (0, 0), slope 1, to (FAR_OFF, 1), slope 0.
     square = (2.0 * FAR_OFF - 3.0) / (FAR_OFF * FAR_OFF)
     cube = (2.0 * square * FAR_OFF - 1.0) / (3.0 * (FAR_OFF * FAR_OFF))
-    return rate * (share - square * share * share + cube * share * share * share)
+    return rate * (ratio - square * ratio * ratio + cube * ratio * ratio * ratio)
 
 
 def _at_most(scaling: VelocityScaling, allowed: float, asked: float, limit: Limit) -> VelocityScaling:

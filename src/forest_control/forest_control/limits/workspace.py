@@ -17,6 +17,7 @@ remains too fast, in a corner, stops the tip.
 import math
 from typing import NamedTuple
 
+from forest_description.geometry.vectors import dot
 from forest_description.types import Vec3
 
 NOTHING = 0  # [1] kind of a `Wall` that fills a free place: it is far from everything
@@ -64,7 +65,7 @@ def clearance(p: Vec3, wall: Wall) -> Clearance:
     """Return distance and direction of a wall from a point [m]."""
     if wall.kind == PLANE:
         n = wall.first
-        return Clearance(_dot(p, n) - wall.radius, n)
+        return Clearance(dot(p, n) - wall.radius, n)
     if wall.kind == BOX:
         return _box(p, wall.first, wall.second)
     if wall.kind == CYLINDER:
@@ -129,20 +130,16 @@ def wall_scaling(p: Vec3, velocity: Vec3, w: Workspace) -> float:
     factor = 1.0
     for i in range(w.number):
         near = clearance(p, w.walls[i])
-        inward = -_dot(velocity, near.away)
+        inward = -dot(velocity, near.away)
         if inward > NEGLIGIBLE_SPEED:
             factor = min(factor, max(0.0, w.approach * near.distance) / inward)
     return factor
 
 
 def _excess(near: Clearance, v: Vec3, approach: float) -> float:
-    return -_dot(v, near.away) - max(0.0, approach * near.distance)
+    return -dot(v, near.away) - max(0.0, approach * near.distance)
 
 
 def _beyond(x: float, low: float, high: float) -> float:
     """Return how far x lies outside an interval, with its side's sign."""
     return x - low if x < low else max(0.0, x - high)
-
-
-def _dot(a: Vec3, b: Vec3) -> float:
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]

@@ -6,7 +6,7 @@
 | T | round trip, from a hand to what it sees of its motion: 2 d, the way back taken to be as late | s |
 
 Up to `UNFELT` people move as if nothing were late. Beyond, they stop to see what came of it. The levers'
-share of their speed is then `UNFELT` / T: the tip goes no farther in a round trip than it went in `UNFELT`.
+speed is then scaled by `UNFELT` / T: the tip goes no farther in a round trip than it went in `UNFELT`.
 
 Both stamps are ROS time, so the clocks of joystick and machine must agree. A joystick's clock that is ahead,
 or behind by more than `ANOTHER_CLOCK`, is another clock: nothing is known of the link, and nothing slows.
@@ -56,6 +56,6 @@ def round_trip(link: LateLink) -> float:
     return 2.0 * link.age
 
 
-def speed_share(link: LateLink) -> float:
-    """Return the share of their speed that the levers have, 0..1."""
+def speed_scale(link: LateLink) -> float:
+    """Return by what the speed of the levers is scaled, 0..1."""
     return UNFELT / max(UNFELT, round_trip(link))

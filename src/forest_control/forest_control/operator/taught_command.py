@@ -15,9 +15,9 @@ and no faster than the operator's profile allows. There is no time in it. Whatev
 along the path; a command that comes late is still a piece of the path.
 """
 
-import math
 from typing import NamedTuple
 
+from forest_description.geometry.vectors import dot, minus, norm, scaled
 from forest_description.types import ZERO, Vec3
 
 APPROACH_RATE = 3.0  # [1/s] K, speed per distance from the path: as of position mode
@@ -62,44 +62,38 @@ def taught_velocity(c: TaughtCommand, x: Vec3, most: float) -> Vec3:
     d, beside = _beside(c, x)
     t, k = c.tangent, c.curvature
     along = t[0] + d * k[0], t[1] + d * k[1], t[2] + d * k[2]
-    speed = max(0.0, min(c.speed, STOP_RATE * (c.left - d))) / _size(along)
+    speed = max(0.0, min(c.speed, STOP_RATE * (c.left - d))) / norm(along)
     velocity = (
         speed * along[0] + APPROACH_RATE * beside[0],
         speed * along[1] + APPROACH_RATE * beside[1],
         speed * along[2] + APPROACH_RATE * beside[2],
     )
-    part = most / max(most, _size(velocity))
-    return part * velocity[0], part * velocity[1], part * velocity[2]
+    return scaled(velocity, most / max(most, norm(velocity)))
 
 
 def distance_from_path(c: TaughtCommand, x: Vec3) -> float:
     """Return how far a place x [m] is from the piece of path [m]."""
     _, beside = _beside(c, x)
-    return _size(beside)
+    return norm(beside)
 
 
 def implausible(c: TaughtCommand) -> str:
     """Return what of a command cannot be, or ""."""
     if c.speed == 0.0:
         return ""
-    if not abs(_size(c.tangent) - 1.0) <= UNIT:
+    if not abs(norm(c.tangent) - 1.0) <= UNIT:
         return "taught command: its direction is no unit vector; allowed: length 1"
-    if not _size(c.curvature) <= SHARPEST:
+    if not norm(c.curvature) <= SHARPEST:
         return f"taught command: its curvature is over {SHARPEST:g} 1/m; allowed: less"
     if not (c.speed > 0.0 and c.left >= 0.0):
         return "taught command: speed or way left is negative; allowed: 0 or more"
     return ""
 
 
-def _size(v: Vec3) -> float:
-    return math.sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2])
-
-
 def _beside(c: TaughtCommand, x: Vec3) -> tuple[float, Vec3]:
     """Return d [m], within the piece and its stop, and the way from x to the path there [m]."""
-    away = x[0] - c.place[0], x[1] - c.place[1], x[2] - c.place[2]
-    d = away[0] * c.tangent[0] + away[1] * c.tangent[1] + away[2] * c.tangent[2]
-    d = max(-WITHIN, min(d, c.left, WITHIN))
+    away = minus(x, c.place)
+    d = max(-WITHIN, min(dot(away, c.tangent), c.left, WITHIN))
     bow = 0.5 * d * d
     return d, (
         d * c.tangent[0] + bow * c.curvature[0] - away[0],

@@ -6,13 +6,14 @@ to its command and fades (`FADE_TIME`).
 """
 
 from forest_control.config.controller_settings import Parameters
-from forest_control.pipeline.control_state import NO_MODE, NO_SCHEME, REST, Inputs, State, minus
+from forest_control.pipeline.control_state import NO_MODE, NO_SCHEME, REST, Inputs, State
 from forest_control.pipeline.stop_profile import NO_STOP
 from forest_control.servo import coordinated_servo
 from forest_control.servo.anti_sway import NO_SWAY
 from forest_control.servo.joint_angle_filter import AngleCorrection
 from forest_control.servo.schemes import Scheme, closes_on_position, decayed, reference_for_rate
 from forest_description.geometry.kinematics import joint_rates, tip_velocity
+from forest_description.geometry.vectors import minus
 from forest_description.types import ZERO, Vec3
 
 FADE_TIME = 0.2  # [s] in which the difference between two schemes' commands fades
@@ -56,11 +57,12 @@ def taken_over(state: State, inputs: Inputs, p: Parameters) -> State:
         )
     a = state.memory.swing.a, state.memory.boom.a, state.memory.stick.a
     velocity = tip_velocity(s, a, p.links) if state.scheme == Scheme.JOINT else state.memory.velocity
-    shut = max(abs(u[0]), abs(u[1]), abs(u[2])) <= coordinated_servo.HELD
+    shut = max(abs(u[0]), abs(u[1]), abs(u[2])) <= coordinated_servo.HOLD_RATE
     samples = 0 if still and shut else coordinated_servo.MOST_SAMPLES
-    r = within_lead(r, s, s, p)
+    r = within_error_limit(r, s, s, p)
     if state.scheme != Scheme.JOINT:
-        a = joint_rates(r, velocity, p.links)  # else the lead would take the other pose's rates for a jerk
+        # The rates of the other pose would be a jerk to the feedforward.
+        a = joint_rates(r, velocity, p.links)
     return state._replace(reference=r, memory=coordinated_servo.in_motion(velocity, a, samples))
 
 
@@ -95,8 +97,8 @@ def faded(offset: Vec3, dt: float) -> Vec3:
     )
 
 
-def within_lead(r: Vec3, before: Vec3, s: Vec3, p: Parameters) -> Vec3:
-    """Return reference angles [rad] within `lead` of the joints, and inside their limits.
+def within_error_limit(r: Vec3, before: Vec3, s: Vec3, p: Parameters) -> Vec3:
+    """Return reference angles [rad] within `following_error_limit` of the joints, and inside their limits.
 
     A machine may stand between margin and limit. There the reference goes no further out than it was before;
     bounded by what is measured, noise would draw it inwards step by step.
@@ -108,12 +110,13 @@ def within_lead(r: Vec3, before: Vec3, s: Vec3, p: Parameters) -> Vec3:
         p: parameters.
     """
     return (
-        _within_lead(r[0], before[0], s[0], 0, p),
-        _within_lead(r[1], before[1], s[1], 1, p),
-        _within_lead(r[2], before[2], s[2], 2, p),
+        _within_error_limit(r[0], before[0], s[0], 0, p),
+        _within_error_limit(r[1], before[1], s[1], 1, p),
+        _within_error_limit(r[2], before[2], s[2], 2, p),
     )
 
 
-def _within_lead(r: float, before: float, s: float, i: int, p: Parameters) -> float:
+def _within_error_limit(r: float, before: float, s: float, i: int, p: Parameters) -> float:
     lower, upper = min(p.velocity_limits.lower[i], before), max(p.velocity_limits.upper[i], before)
-    return max(lower, min(upper, max(s - p.lead, min(s + p.lead, r))))
+    most = p.following_error_limit
+    return max(lower, min(upper, max(s - most, min(s + most, r))))

@@ -15,7 +15,7 @@ from forest_control.servo.anti_sway import NO_SWAY, Sway
 from forest_control.servo.joint_angle_filter import NONE as NO_CORRECTION
 from forest_control.servo.joint_angle_filter import UNREAD as NO_LENGTHS
 from forest_control.servo.joint_angle_filter import AngleCorrection, Lengths
-from forest_control.valve.tracking_limit import FULL, NO_TRACKING_LIMIT, Reach, TrackingLimits
+from forest_control.valve.tracking_limit import FULL, NO_TRACKING_LIMIT, OpeningRatio, TrackingLimits
 from forest_description.types import ZERO, Vec3
 
 NO_SCHEME = NO_MODE = -1  # [1] of an enumeration, before the first step: no member's number
@@ -48,18 +48,18 @@ class Inputs(NamedTuple):
     levers: Levers
     enabled: bool  # the levers may move the crane (`motion_permission`)
     cylinders: Lengths = NO_LENGTHS  # [m] boom, stick, of the same moment; NaN: no sample
-    reach: Reach = FULL  # of the valves, as the driver has learnt it
+    opening_ratio: OpeningRatio = FULL  # of the valves, as the driver has learnt it
     voltages: Vec3 = ZERO  # [V] of the valves, given last by the driver
     taught: TaughtCommand = NO_COMMAND  # that is followed in place of the levers
     boom_pressures: Pressures = UNREAD  # [Pa] head and rod side; NaN: no sample
     overloaded: bool = False  # a load has driven a joint back; while this stands, nothing is enabled
-    share: float = 1.0  # of their speed that the levers have, behind a late link
+    speed_scale: float = 1.0  # of the levers, behind a late link
 
 
 class ValveFeedback(NamedTuple):
     """What the valve driver reports."""
 
-    reach: Reach = FULL
+    opening_ratio: OpeningRatio = FULL
     voltages: Vec3 = ZERO  # [V] that the valves have by now; zero of a driver that is silent
     driver: DriverSample = DriverSample()  # its newest word
 
@@ -126,13 +126,3 @@ REST = State(ZERO, False)
 def stopped(state: State) -> State:
     """Return the state with all motion forgotten; what hangs there still does."""
     return REST._replace(weighing=state.weighing)
-
-
-def minus(x: Vec3, y: Vec3) -> Vec3:
-    """Return x - y."""
-    return x[0] - y[0], x[1] - y[1], x[2] - y[2]
-
-
-def scaled(values: Vec3, factor: float) -> Vec3:
-    """Return values times a factor."""
-    return factor * values[0], factor * values[1], factor * values[2]

@@ -30,7 +30,6 @@ from forest_control.pipeline.control_state import (
     Servo,
     State,
     Telemetry,
-    minus,
 )
 from forest_control.pipeline.joint_servo import joint_servo
 from forest_control.pipeline.motion_command import motion_command
@@ -39,10 +38,11 @@ from forest_control.pipeline.stop_profile import NO_STOP
 from forest_control.servo import coordinated_servo
 from forest_control.servo.joint_angle_filter import corrected_angles, latched_correction, updated_correction
 from forest_control.servo.link_bending import link_angles
-from forest_control.servo.schemes import Scheme, moved
+from forest_control.servo.schemes import Scheme
 from forest_control.valve.tracking_limit import NO_TRACKING_LIMIT, TrackingLimits, Valves, updated_limits
 from forest_description.derived.actuator_kinematics import joint_rates_to_actuator_speeds
 from forest_description.geometry.kinematics import tip_orientation, tip_position, tip_velocity
+from forest_description.geometry.vectors import minus, plus
 from forest_description.types import ZERO, Vec3
 
 
@@ -51,8 +51,8 @@ def step(state: State, inputs: Inputs, p: Parameters, dt: float) -> tuple[State,
     state, inputs = _estimate(state, inputs, p, dt)
     state, command = motion_command(state, inputs, p, dt)
     load = loading(state.weighing.mass, inputs.angles, p.links, p.capacity)
-    held = loading(state.weighing.counted, inputs.angles, p.links, p.capacity)
-    reference = limited(command, Valves(inputs.reach, state.tracking_limits), held, inputs, p)
+    counted = loading(state.weighing.counted, inputs.angles, p.links, p.capacity)
+    reference = limited(command, Valves(inputs.opening_ratio, state.tracking_limits), counted, inputs, p)
     servo = joint_servo(command, reference, state, inputs, p, dt)
     state, output = _output(command, reference, servo, state, inputs, p, dt)
     return state, output._replace(loading=load)
@@ -129,7 +129,7 @@ def _output(
     if command.phase == Phase.SETTLING:
         return after._replace(clutch=servo.reference), Output(ZERO, ZERO, reference.scaling)
     # An inch is commanded, but not remembered: what takes over from it takes nothing of it over.
-    rates = moved(servo.rates, coordinated_servo.inches(servo.memory), 1.0) if enabled else servo.rates
+    rates = plus(servo.rates, coordinated_servo.inches(servo.memory)) if enabled else servo.rates
     voltage = to_voltage(rates, inputs.angles, p)
     velocity = ZERO if p.scheme == Scheme.JOINT else servo.velocity
     return after, Output(voltage, velocity, reference.scaling)

@@ -185,14 +185,16 @@ def told_load(load: Loading) -> tuple[float, float, float, float]:
     """Return the values of `topics.TIP_LOAD`; NaN for what is not known, or has no bound."""
     if load.allowed == math.inf:
         return load.mass, load.reach, math.nan, math.nan
-    return load.mass, load.reach, load.allowed, math.nan if math.isnan(load.mass) else load.share
+    return load.mass, load.reach, load.allowed, math.nan if math.isnan(load.mass) else load.utilisation
 
 
 def load_caution(load: Loading) -> str:
     """Return what a person should know of what the crane carries, "" for nothing."""
-    if load.allowed == math.inf or load.share < WARNED:
+    if load.allowed == math.inf or load.utilisation < WARNED:
         return ""
     if math.isnan(load.mass):
         return "load: not weighed, no pressures of the boom's cylinder; only motions that unload pass"
-    told = f"load: {load.mass:.0f} kg at {load.reach:.1f} m, {100.0 * load.share:.0f} % of what is allowed"
-    return told if load.share < 1.0 else f"{told}; only motions that unload pass"
+    told = (
+        f"load: {load.mass:.0f} kg at {load.reach:.1f} m, {100.0 * load.utilisation:.0f} % of what is allowed"
+    )
+    return told if load.utilisation < 1.0 else f"{told}; only motions that unload pass"

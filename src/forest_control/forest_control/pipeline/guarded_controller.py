@@ -23,13 +23,13 @@ from forest_control.safety.motion_permission import (
     reset_sensor_watch,
 )
 from forest_control.servo.joint_angle_filter import UNREAD, Lengths
-from forest_control.valve.tracking_limit import Reach
+from forest_control.valve.tracking_limit import OpeningRatio
 from forest_description.geometry.kinematics import tip_position
 from forest_description.types import ZERO, Vec3
 
 
 def control_inputs(
-    machine: MachineState, decision: Decision, cylinders: Lengths, reach: Reach, voltages: Vec3
+    machine: MachineState, decision: Decision, cylinders: Lengths, opening_ratio: OpeningRatio, voltages: Vec3
 ) -> Inputs:
     """Return what the controller steps with.
 
@@ -37,7 +37,7 @@ def control_inputs(
         machine: its state, which is believed.
         decision: on it.
         cylinders: lengths [m] of boom and stick, of the same moment; NaN: no sample.
-        reach: of the valves.
+        opening_ratio: of the valves.
         voltages: of the valves, given last [V].
     """
     return Inputs(
@@ -45,9 +45,9 @@ def control_inputs(
         rates=machine.rates,
         levers=decision.levers,
         enabled=decision.verdict == Verdict.MOVE,
-        share=decision.share,
+        speed_scale=decision.speed_scale,
         cylinders=cylinders,
-        reach=reach,
+        opening_ratio=opening_ratio,
         voltages=voltages,
         boom_pressures=machine.boom_pressures,
         overloaded=decision.overloaded,
@@ -133,7 +133,7 @@ class GuardedController:
             return decision, None
         if decision.verdict == Verdict.STOP:
             self._state = stopped(self._state)  # from which there is no ramp: zero at once
-        inputs = control_inputs(machine, decision, cylinders, valves.reach, valves.voltages)
+        inputs = control_inputs(machine, decision, cylinders, valves.opening_ratio, valves.voltages)
         taught = self._follow(decision, machine.angles, now)
         inputs = inputs._replace(enabled=inputs.enabled and not self._taught.cause, taught=taught)
         self._state, telemetry = self._step(self._state, inputs, self.parameters, decision.dt)

@@ -6,7 +6,7 @@ the same servo, and turns no valve round; one in open loop takes its rates as th
 
 from forest_control.config.controller_settings import Parameters
 from forest_control.pipeline import stop_profile
-from forest_control.pipeline.bumpless_transfer import offset_to, within_lead
+from forest_control.pipeline.bumpless_transfer import offset_to, within_error_limit
 from forest_control.pipeline.control_state import (
     Inputs,
     MotionCommand,
@@ -21,6 +21,7 @@ from forest_control.servo.overspeed_limit import without_overspeed
 from forest_control.servo.schemes import Scheme, Signals, advanced, closes_on_position, moved, servo
 from forest_control.servo.stalled_joints import kept_near
 from forest_description.geometry.kinematics import tip_velocity
+from forest_description.geometry.vectors import plus
 from forest_description.types import ZERO, Vec3
 
 NEAR = 0.002  # [rad] of the reference, where a position servo at rest may leave its valve shut
@@ -43,7 +44,7 @@ def joint_servo(
     after = advanced(p.scheme, r, a, velocity, p.links, dt)
     if p.scheme == Scheme.COORDINATED and coordinated_servo.all_stalled(state.memory, a):
         after = kept_near(after, a, s)
-    after = within_lead(after, r, s, p)
+    after = within_error_limit(after, r, s, p)
     if p.scheme == Scheme.COORDINATED:
         gains = _braking(p.coordinated) if command.phase == Phase.STOPPING else p.coordinated
         before = coordinated_servo.with_velocity(state.memory, velocity)
@@ -51,11 +52,11 @@ def joint_servo(
     else:
         memory, u = _thesis_servo(state.memory, reference, after, inputs, p, dt)
     offset = offset_to(u, state, p)
-    u = moved(u, offset, 1.0)
+    u = plus(u, offset)
     if p.scheme == Scheme.COORDINATED and offset != ZERO:
         # The reference goes the way that is commanded, or the servo would fight what fades.
-        after = within_lead(moved(after, offset, dt), r, s, p)
-        velocity = moved(velocity, tip_velocity(command.pose, offset, p.links), 1.0)
+        after = within_error_limit(moved(after, offset, dt), r, s, p)
+        velocity = plus(velocity, tip_velocity(command.pose, offset, p.links))
     if command.phase == Phase.STOPPING:
         u = stop_profile.onwards(u, a)
     if p.scheme == Scheme.COORDINATED:
@@ -86,7 +87,7 @@ def _joint_servo(
 ) -> tuple[Joint, float]:
     """Return one joint's memory and rate [rad/s]; where it rests at its reference, its valve stays shut."""
     s, v = inputs.angles[i], inputs.rates[i]
-    seen, holds = coordinated_servo.held(memory, r[i] - s, still, p.coordinated, dt)
+    seen, holds = coordinated_servo.hold_hysteresis(memory, r[i] - s, still, p.coordinated, dt)
     signals = Signals(a=a, b=0.0, r=r[i], s=s, v=v, w=0.0)
     u = 0.0 if holds and abs(r[i] - s) < NEAR else servo(p.scheme, signals, p.gains[i])
     return Joint(a=a, error=seen, holding=holds), u

@@ -24,8 +24,6 @@ from forest_control.pipeline.control_state import (
     MotionCommand,
     Phase,
     State,
-    minus,
-    scaled,
 )
 from forest_control.pipeline.stop_profile import NO_STOP, Stop
 from forest_control.servo import anti_sway
@@ -33,6 +31,7 @@ from forest_control.servo.anti_sway import Sway
 from forest_control.servo.coordinated_servo import MOST_SAMPLES, ramped
 from forest_control.servo.schemes import Scheme, closes_on_position, jacobian_pose
 from forest_description.geometry.kinematics import tip_position
+from forest_description.geometry.vectors import minus, scaled
 from forest_description.types import ZERO, Vec3
 
 
@@ -74,9 +73,11 @@ def tip_velocity_command(
         asked = taught_velocity(inputs.taught, tip_position(_here(state, inputs, p), p.links), most)
     elif p.profile.mode == Mode.POSITION:
         here = _here(state, inputs, p)
-        asked = scaled(position_mode_velocity(levers, state.clutch, here, p.profile, p.links), inputs.share)
+        asked = scaled(
+            position_mode_velocity(levers, state.clutch, here, p.profile, p.links), inputs.speed_scale
+        )
     else:
-        asked = scaled(rate_mode_velocity(levers, pose, p.profile), inputs.share)
+        asked = scaled(rate_mode_velocity(levers, pose, p.profile), inputs.speed_scale)
         if p.scheme != Scheme.COORDINATED:
             return state._replace(sway=anti_sway.NO_SWAY), asked
         sway, asked = _without_sway(state, asked, p, dt)
@@ -101,7 +102,7 @@ def _here(state: State, inputs: Inputs, p: Parameters) -> Vec3:
 
 def joint_rate_command(state: State, inputs: Inputs, p: Parameters, dt: float) -> Vec3:
     """Return the joint rates [rad/s] that the levers ask for in the joint scheme; a ramp in position mode."""
-    levers, most = shaped(inputs.levers, p.profile), scaled(p.velocity_limits.rates, inputs.share)
+    levers, most = shaped(inputs.levers, p.profile), scaled(p.velocity_limits.rates, inputs.speed_scale)
     if p.profile.mode == Mode.RATE:
         return rate_mode_rates(levers, most)
     asked = position_mode_rates(levers, state.clutch, inputs.angles, p.profile, most)
@@ -119,8 +120,8 @@ def stop_command(state: State, s: Vec3, p: Parameters, dt: float) -> tuple[State
     if stop.duration != stop_profile.CLOSED_LOOP:
         rates, velocity = stop_profile.commanded(stop, s, p.links)
         return state, MotionCommand(phase=Phase.BRAKING, pose=s, velocity=velocity, rates=rates)
-    velocity = scaled(stop.reference, stop_profile.share(stop))
-    lagged = scaled(stop.reference, stop_profile.share_late(stop))
+    velocity = scaled(stop.reference, stop_profile.velocity_left(stop))
+    lagged = scaled(stop.reference, stop_profile.lagged_velocity_left(stop))
     return state, MotionCommand(phase=Phase.STOPPING, pose=r, velocity=velocity, lagged=lagged)
 
 

@@ -8,13 +8,14 @@ that the tip keeps its direction (`velocity_scaling`).
 from forest_control.config.controller_settings import Parameters
 from forest_control.limits import workspace
 from forest_control.limits.actuator_speed_limits import joint_rate_limits
-from forest_control.limits.load_moment import Loading, loading_share, unloaded
+from forest_control.limits.load_moment import Loading, load_scale, unloaded
 from forest_control.limits.singularity import rates_near_singularity
 from forest_control.limits.velocity_scaling import Limit, VelocityLimits, VelocityScaling, velocity_scaling
-from forest_control.pipeline.control_state import Inputs, MotionCommand, Phase, Reference, scaled
+from forest_control.pipeline.control_state import Inputs, MotionCommand, Phase, Reference
 from forest_control.servo.schemes import Scheme, closes_on_position
 from forest_control.valve.tracking_limit import AS_FILED, Valves, ceiling
 from forest_description.geometry.kinematics import is_singular, joint_rates, tip_position, tip_velocity
+from forest_description.geometry.vectors import scaled
 from forest_description.types import ZERO, Vec3
 
 
@@ -44,7 +45,7 @@ def _moving(
     walled = workspace.slide(tip, command.velocity, p.workspace)
     velocity, rates, left = walled, command.rates, 1.0
     if p.scheme == Scheme.JOINT:
-        left = loading_share(inputs.angles, rates, p.links, load)
+        left = load_scale(inputs.angles, rates, p.links, load)
         rates = scaled(rates, left)
     else:
         velocity, left = unloaded(tip, walled, load, inputs.taught.speed > 0.0)
@@ -55,8 +56,8 @@ def _moving(
         return reference._replace(scaling=VelocityScaling(left * factor, Limit.LOAD))
     if walled != command.velocity and limit == Limit.NONE:
         return reference._replace(scaling=VelocityScaling(factor, Limit.WALL))
-    if inputs.share < factor and inputs.taught.speed == 0.0:
-        return reference._replace(scaling=VelocityScaling(inputs.share * factor, Limit.LATE))
+    if inputs.speed_scale < factor and inputs.taught.speed == 0.0:
+        return reference._replace(scaling=VelocityScaling(inputs.speed_scale * factor, Limit.LATE))
     return reference
 
 
@@ -109,7 +110,10 @@ def velocity_limits_at(angles: Vec3, rates: Vec3, p: Parameters, valves: Valves 
     """
     if p.scheme != Scheme.COORDINATED:
         return p.velocity_limits
-    most, highest = joint_rate_limits(angles, rates, p.speed_limits, valves.reach), p.velocity_limits.rates
+    most, highest = (
+        joint_rate_limits(angles, rates, p.speed_limits, valves.opening_ratio),
+        p.velocity_limits.rates,
+    )
     tracking_limits = valves.tracking_limits
     least = (
         min(highest[0], most[0], ceiling(tracking_limits.swing, rates[0])),

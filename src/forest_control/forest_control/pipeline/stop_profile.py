@@ -10,11 +10,11 @@ the commanded rates are taken back, open loop and faster, since the machine lags
 | symbol | name | unit |
 |---|---|---|
 | x' | tip velocity that was commanded when the stop began | m/s |
-| u | commanded joint rates, J^-1(s) x' share(t) | rad/s |
+| u | commanded joint rates, J^-1(s) x' left(t) | rad/s |
 | t | time since then | s |
 | T | duration | s |
 
-share(t) = x^2.5 (3.5 - 2.5 x), x = 1 - t / T: it brakes soon and ends gently, so that little rocks on behind
+left(t) = x^2.5 (3.5 - 2.5 x), x = 1 - t / T: it brakes soon and ends gently, so that little rocks on behind
 the shut valves; the way is 4/9 x' T, the greatest deceleration 1.63 x' / T.
 """
 
@@ -22,6 +22,7 @@ import math
 from typing import NamedTuple
 
 from forest_description.geometry.kinematics import Links, is_singular, joint_rates, tip_velocity
+from forest_description.geometry.vectors import scaled
 from forest_description.types import Vec3
 
 CLOSED_LOOP = 0.24  # [s] T of a scheme that holds its reference: just inside 0.25 s, softest for the swing
@@ -64,17 +65,17 @@ def begin(duration: float, u: Vec3, reference: Vec3, s: Vec3, links: Links) -> S
     )
 
 
-def share(stop: Stop) -> float:
-    """Return the share of the velocity that is left, 1..0."""
-    return _share(stop.elapsed / stop.duration)
+def velocity_left(stop: Stop) -> float:
+    """Return how much of the velocity is left, 1..0."""
+    return _left(stop.elapsed / stop.duration)
 
 
-def share_late(stop: Stop) -> float:
-    """Return the share that the machine can have by now: what was left of the velocity `LAG` ago."""
-    return _share((stop.elapsed - LAG) / stop.duration)
+def lagged_velocity_left(stop: Stop) -> float:
+    """Return how much of it the machine can have by now: what was left `LAG` ago."""
+    return _left((stop.elapsed - LAG) / stop.duration)
 
 
-def _share(part: float) -> float:
+def _left(part: float) -> float:
     x = 1.0 - max(0.0, min(1.0, part))
     return x * x * math.sqrt(x) * (3.5 - 2.5 * x)
 
@@ -103,8 +104,8 @@ def is_over(stop: Stop) -> bool:
 
 def commanded(stop: Stop, s: Vec3, links: Links) -> tuple[Vec3, Vec3]:
     """Return joint rates [rad/s] at measured angles [rad], and the tip velocity [m/s] that they aim at."""
-    left = share(stop)
-    velocity = left * stop.velocity[0], left * stop.velocity[1], left * stop.velocity[2]
+    left = velocity_left(stop)
+    velocity = scaled(stop.velocity, left)
     if is_singular(s, links):
-        return (left * stop.rates[0], left * stop.rates[1], left * stop.rates[2]), velocity
+        return scaled(stop.rates, left), velocity
     return joint_rates(s, velocity, links), velocity

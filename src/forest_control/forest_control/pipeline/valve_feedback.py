@@ -1,11 +1,11 @@
-"""What the valve driver reports, as the controller takes it: the valves' reach, and the last voltages."""
+"""What the valve driver reports to the controller: how far the valves open, and the last voltages."""
 
 import math
 from typing import Any
 
 from forest_control.pipeline.control_state import ValveFeedback
 from forest_control.safety.driver_response import DriverSample
-from forest_control.valve.tracking_limit import FULL, Reach, reached
+from forest_control.valve.tracking_limit import FULL, OpeningRatio, opening_ratio
 from forest_description.machine import Machine
 from forest_description.types import ZERO
 from forest_msgs_py.interfaces import topics
@@ -35,7 +35,7 @@ class ValveReports:
         self._volts_reader = ArrayReader(topics.VALVE_VOLTAGES, topics.JOINTS)
         laws = [machine.valve_of(axis).law for axis in range(3)]
         self._edges = [law.forward for law in laws] + [law.backward for law in laws]
-        self._reach, self._reach_received = FULL, -math.inf
+        self._ratio, self._ratio_received = FULL, -math.inf
         self._driver = DriverSample()
 
     def read(self) -> ValveFeedback:
@@ -44,16 +44,16 @@ class ValveReports:
         if status := self.status.newest():
             reading = self._status_reader.read(status.message, 0)
             if not reading.problem:
-                self._reach, self._reach_received = self._reach_of(reading.values), status.time
+                self._ratio, self._ratio_received = self._ratio_of(reading.values), status.time
         if volts := self.volts.newest():
             reading = self._volts_reader.read(volts.message, 0)
             if not reading.problem:
                 self._driver = DriverSample(reading.values, volts.time)
         fresh = now - self._driver.received <= VOLTAGE_TIMEOUT
-        reach = self._reach if now - self._reach_received <= STATUS_TIMEOUT else FULL
-        return ValveFeedback(reach, self._driver.voltages if fresh else ZERO, self._driver)
+        ratio = self._ratio if now - self._ratio_received <= STATUS_TIMEOUT else FULL
+        return ValveFeedback(ratio, self._driver.voltages if fresh else ZERO, self._driver)
 
-    def _reach_of(self, learnt: tuple[float, ...]) -> Reach:
-        """Return the reach for deadbands [V] and gains by `LEARNT`."""
-        r = [reached(learnt[2 * k], learnt[2 * k + 1], edge) for k, edge in enumerate(self._edges)]
-        return Reach((r[0], r[1], r[2]), (r[3], r[4], r[5]))
+    def _ratio_of(self, learnt: tuple[float, ...]) -> OpeningRatio:
+        """Return the opening ratios for deadbands [V] and gains by `LEARNT`."""
+        r = [opening_ratio(learnt[2 * k], learnt[2 * k + 1], edge) for k, edge in enumerate(self._edges)]
+        return OpeningRatio((r[0], r[1], r[2]), (r[3], r[4], r[5]))

@@ -35,7 +35,7 @@ from forest_control.limits.load_weighing import UNREAD, Pressures
 from forest_control.operator import joystick_watch
 from forest_control.operator.joystick_interpolation import CENTRED, InterpolatedLevers, interpolated
 from forest_control.operator.joystick_watch import Sample, Watch, WatchParameters, assessed_watch
-from forest_control.operator.late_link import IN_TIME, LateLink, speed_share, updated_link
+from forest_control.operator.late_link import IN_TIME, LateLink, speed_scale, updated_link
 from forest_control.operator.levers import REST, Levers
 from forest_control.safety import (
     driver_response,
@@ -92,7 +92,7 @@ class Decision(NamedTuple):
     levers: Levers = REST
     dt: float = 0.0  # [s] since the state before; 0: the state counts for nothing
     overloaded: bool = False  # a joint went back, or stood; until the levers are armed anew
-    share: float = 1.0  # of their speed that the levers have, behind a late link
+    speed_scale: float = 1.0  # of the levers, behind a late link
 
 
 class MachineState(NamedTuple):
@@ -250,8 +250,10 @@ def decide_by_operator(
         before.interpolation, operator.levers, joystick.fresh_since, before.received, dt
     )
     after = before._replace(joystick=joystick, interpolation=interpolation)
-    share = speed_share(before.link)
-    return after, Decision(Verdict.MOVE, Cause.NONE, True, levers=interpolation.levers, share=share, dt=dt)
+    scale = speed_scale(before.link)
+    return after, Decision(
+        Verdict.MOVE, Cause.NONE, True, levers=interpolation.levers, speed_scale=scale, dt=dt
+    )
 
 
 def updated_checks(

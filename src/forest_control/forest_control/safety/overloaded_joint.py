@@ -69,11 +69,11 @@ def watched(before: Overload, u: Vec3, rates: Vec3, voltages: Vec3, p: Parameter
         p: the controller's parameters.
         dt: since the last sample [s].
     """
-    share = 1.0 - math.exp(-dt / OWED_LAG)
+    weight = 1.0 - math.exp(-dt / OWED_LAG)
     gone = (
-        before.gone[0] + share * (rates[0] - before.gone[0]),
-        before.gone[1] + share * (rates[1] - before.gone[1]),
-        before.gone[2] + share * (rates[2] - before.gone[2]),
+        before.gone[0] + weight * (rates[0] - before.gone[0]),
+        before.gone[1] + weight * (rates[1] - before.gone[1]),
+        before.gone[2] + weight * (rates[2] - before.gone[2]),
     )
     owed = (
         _owed(before, u, gone, voltages, 0, p, dt),

@@ -14,7 +14,7 @@ all references rest, the joints are soon inched to their places (`inching`).
 
 Boom and stick oscillate on their oil at some 8 Hz, which a valve that is open a little hardly
 damps. An unfiltered position error feeds that oscillation in slow motion. Behind the low-pass of
-`ERROR_LAG` the error lags by more than a quarter of a period, and damps. From `FULL_RATE` on the
+`ERROR_LAG` the error lags by more than a quarter of a period, and damps. From `schemes.FULL_RATE` on the
 valve itself damps, and the error acts unfiltered.
 """
 
@@ -24,14 +24,15 @@ from typing import NamedTuple
 from forest_control.servo.arm_feedforward import ArmModel, yielding_rates
 from forest_control.servo.inching import ARRIVED, MOVING, Inching, inched, is_due, served
 from forest_control.servo.link_bending import pushed
-from forest_control.servo.schemes import ERROR_LAG, FULL_RATE, Gains, Signals, coordinated
+from forest_control.servo.schemes import ERROR_LAG, Gains, Signals, coordinated, motion_weight
 from forest_control.servo.stalled_joints import JointMotion, is_ahead, is_slow, is_stalled, updated_motion
 from forest_control.servo.swing_feedforward import SwingModel, inertia
 from forest_description.derived.actuator_kinematics import Linkages, actuator_speeds_to_joint_rates
+from forest_description.geometry.vectors import minus, norm, plus, scaled
 from forest_description.types import ZERO, Vec3
 
 REST_RATE = 1e-4  # [rad/s] a reference slower than this rests: 0.6 mm/s of the tip; chosen
-HELD = 1e-9  # [rad/s] command to a joint that holds: no motion, but the driver may feed its leakage
+HOLD_RATE = 1e-9  # [rad/s] command to a joint that holds: no motion, but the driver may feed its leakage
 HIGHEST_ACCELERATION = 2.0  # [rad/s^2] of b: a jump of the velocity scaling must not kick the valves; chosen
 MOST_SAMPLES = 50  # [1] in the mean pose that the reference starts from: 0.25 s at rest
 
@@ -104,12 +105,11 @@ def settle(reference: Vec3, s: Vec3, memory: Memory) -> tuple[Vec3, Memory]:
 
 def ramped(velocity: Vec3, target: Vec3, acceleration: float, dt: float) -> Vec3:
     """Return the reference velocity [m/s] after dt [s] on the way to a target, at most so accelerated."""
-    x, y, z = target[0] - velocity[0], target[1] - velocity[1], target[2] - velocity[2]
-    size, most = math.sqrt(x * x + y * y + z * z), acceleration * dt
+    change, most = minus(target, velocity), acceleration * dt
+    size = norm(change)
     if size <= most:
         return target
-    part = most / size
-    return velocity[0] + part * x, velocity[1] + part * y, velocity[2] + part * z
+    return plus(velocity, scaled(change, most / size))
 
 
 def servo(
@@ -141,8 +141,7 @@ def servo(
     b_3, jerk_3 = _smooth_acceleration(m_3, a[2], p, dt)
     inch = actuator_speeds_to_joint_rates(s, p.inches, p.linkages)
     m_11 = inertia(r, p.swing)
-    ahead = pushed(r, (b_1, b_2, b_3), m_11, p.swing.compliance, p.arm)
-    s = s[0] - ahead[0], s[1] - ahead[1], s[2] - ahead[2]
+    s = minus(s, pushed(r, (b_1, b_2, b_3), m_11, p.swing.compliance, p.arm))
     torque, extra = _swing_forward(memory.torque, a[0], b_1, jerk, m_11, p, dt)
     yields = yielding_rates(r, a, (b_1, b_2, b_3), (jerk, jerk_2, jerk_3), p.arm)
     x_1 = Signals(a=a[0], b=b_1, r=r[0], s=s[0], v=v[0], w=extra)
@@ -191,10 +190,14 @@ def all_stalled(memory: Memory, a: Vec3) -> bool:
     )
 
 
-def held(
+def hold_hysteresis(
     memory: Joint, error: float, still: bool, p: CoordinationParameters, dt: float
 ) -> tuple[float, bool]:
-    """Return the filtered error r - s [rad], and whether the valve may stay shut."""
+    """Return the filtered error r - s [rad], and whether the valve may stay shut.
+
+    A joint that holds does so up to `release_error`; one that moves holds from `hold_error` on, or when
+    its error changes sign.
+    """
     filtered = memory.error + (1.0 - math.exp(-dt / ERROR_LAG)) * (error - memory.error)
     near = abs(filtered) < (p.release_error if memory.holding else p.hold_error)
     return filtered, still and (near or (not memory.holding and filtered * memory.error < 0.0))
@@ -226,21 +229,20 @@ def _joint_servo(
     """
     # A valve that is open, to feed what leaks, is better served by the servo than by holding.
     error, still = x.r - x.s, all_rest or (shut and _rests(memory, x.a))
-    filtered, holds = held(memory, error, still, p, dt)
+    filtered, holds = hold_hysteresis(memory, error, still, p, dt)
     if all_rest and is_due(memory.inching, shut):
         inching = inched(memory.inching, error, shut, abs(inch), p.free_ways[i], dt)
-        return Joint(a=x.a, b=x.b, w=memory.w, error=filtered, holding=True, inching=inching), HELD
+        return Joint(a=x.a, b=x.b, w=memory.w, error=filtered, holding=True, inching=inching), HOLD_RATE
     # At rest the integral learns what leaks, through an open valve; behind a shut one, or before joints
     # that are stalled, it would wind up.
     learns = not (stalled and is_ahead(x.a, error)) and (not still or (not shut and not holds))
     grown = memory.w + dt * p.integral[i] * error if learns else memory.w
     w = max(-p.integral_limit, min(p.integral_limit, grown))
-    part = x.a / FULL_RATE
-    quick = 1.0 if i == 0 else min(1.0, part * part)
+    quick = 1.0 if i == 0 else motion_weight(x.a)
     # At rest there is time for less noise: a valve that feeds what leaks would follow it.
     calm = still and (shut or memory.inching.rested >= ARRIVED)
     fed_back = filtered if calm else filtered + quick * (error - filtered)
-    u = HELD if holds else coordinated(x._replace(s=x.r - fed_back, w=x.w + w), p.gains[i])
+    u = HOLD_RATE if holds else coordinated(x._replace(s=x.r - fed_back, w=x.w + w), p.gains[i])
     inching = served(memory.inching, dt) if all_rest else MOVING
     motion = updated_motion(memory.motion, x.a, x.v, dt)
     return Joint(a=x.a, b=x.b, w=w, error=filtered, holding=holds, inching=inching, motion=motion), u

@@ -35,18 +35,10 @@ from forest_description.machine import Machine
 from forest_description.types import Complexes, Floats, Vec3
 from forest_msgs_py.types import PERIOD
 
-HIGHEST_GAIN = (
-    4.0,
-    5.0,
-    5.0,
-)  # [1/s] of K_p: noise of a slow swing, which no low-pass takes, crosses its overlap
+HIGHEST_GAIN = (4.0, 5.0, 5.0)  # [1/s] of K_p: the noise of a slow swing, unfiltered, crosses its overlap
 STEP = 0.25  # [1/s] in which K_p is looked for, and the least: a twentieth of the highest
 AMPLIFICATION = 1.8  # [1] greatest |1/(1 + L)|: at least 7 dB and 32 degrees, under the usual 2
-INTEGRAL_SHARE = (
-    0.08,
-    0.25,
-    0.25,
-)  # [1] K_i over K_p^2: at a quarter the slow poles meet; the swing lags more
+INTEGRAL_SHARE = (0.08, 0.25, 0.25)  # [1] K_i over K_p^2: at a quarter slow poles meet; the swing lags more
 SWING_DAMPING = 0.4  # [1] D where the swing bears it: only the swing rocks slowly
 PLACES = 0.2, 0.5, 0.8  # [1] of the ranges of boom and stick: nine poses, away from the strokes' ends
 TIP_SPEEDS = 0.25, 0.5  # [m/s] of the tip by one joint alone: half and all of what a lever asks by default
@@ -93,10 +85,10 @@ def servo_response(
         rate: at which it moves [rad/s].
         s: [n] complex frequencies [1/s].
     """
-    share = min(1.0, (rate / FULL_RATE) ** 2)
-    quick = 1.0 if axis == 0 else share
+    weight = min(1.0, (rate / FULL_RATE) ** 2)
+    quick = 1.0 if axis == 0 else weight
     passed = quick + (1.0 - quick) / (1.0 + ERROR_LAG * s)
-    response: Complexes = feedback * passed + integral_gain / s + damping * share * s
+    response: Complexes = feedback * passed + integral_gain / s + damping * weight * s
     return response
 
 

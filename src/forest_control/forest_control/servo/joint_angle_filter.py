@@ -58,9 +58,9 @@ def updated_correction(
     if not (abs(boom) <= FARTHEST and abs(stick) <= FARTHEST):  # neither is NaN
         return c
     count = c.samples + 1
-    share = max(1.0 / count, 1.0 - math.exp(-dt / SMOOTHING))  # the mean at first
+    weight = max(1.0 / count, 1.0 - math.exp(-dt / SMOOTHING))  # the mean at first
     return AngleCorrection(
-        c.boom + share * (boom - c.boom), c.stick + share * (stick - c.stick), count, c.used
+        c.boom + weight * (boom - c.boom), c.stick + weight * (stick - c.stick), count, c.used
     )
 
 

@@ -116,9 +116,14 @@ def coordinated(x: Signals, g: Gains) -> float:
     joints. Near a change of sign D fades out: the noise of v would throw the valve across its
     overlap and back.
     """
-    share = x.a / FULL_RATE
-    damping = g.rate * min(1.0, share * share)
+    damping = g.rate * motion_weight(x.a)
     return x.a + g.lead_time * x.b + g.feedback * (x.r - x.s) + damping * (x.a - x.v) + x.w
+
+
+def motion_weight(a: float) -> float:
+    """Return (a/`FULL_RATE`)^2 of a reference rate [rad/s], at most 1: 0 in slow motion, 1 beyond it."""
+    part = a / FULL_RATE
+    return min(1.0, part * part)
 
 
 def servo(scheme: int, x: Signals, g: Gains) -> float:

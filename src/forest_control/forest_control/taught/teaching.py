@@ -13,7 +13,7 @@ import numpy as np
 
 from forest_control.taught.cycle import Path
 from forest_control.taught.cycle_file import FASTEST, SLOWEST
-from forest_control.taught.tip_path import PathError, curve, distance_from
+from forest_control.taught.tip_path import PathError, cross_track_distance, curve
 from forest_description.types import Floats, Vec3
 
 MOST = 120_000  # [1] samples of a path: ten minutes at 200 Hz; what is driven later is no part of it
@@ -77,7 +77,7 @@ def distances(points: Sequence[Vec3], places: Floats) -> Floats:
     ways, table, _ = curve("taught", list(points))
     dense = np.linspace(0.0, ways[-1], math.ceil(ways[-1] / DENSE) + 1)
     on_path = np.column_stack([np.interp(dense, ways, table[:, i]) for i in range(3)])
-    return distance_from(on_path, places)
+    return cross_track_distance(on_path, places)
 
 
 def _smoothed(tips: Floats) -> Floats:

@@ -161,7 +161,7 @@ def is_closed(path: TipPath) -> bool:
     return math.dist(path.at(0.0), path.at(path.length)) < SHORTEST
 
 
-def distance_from(line: Floats, places: Floats) -> Floats:
+def cross_track_distance(line: Floats, places: Floats) -> Floats:
     """Return how far places [N, 3] m are from a line [M, 3] m, straight from point to point: [N] m.
 
     Only the pieces at the nearest points are looked at, so the points must be close together.

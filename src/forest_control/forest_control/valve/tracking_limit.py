@@ -1,10 +1,10 @@
-"""Tracking limits: the opening that each valve reaches, and joints that cannot follow.
+"""Tracking limits: how far each valve opens, and joints that cannot follow.
 
 | symbol | name | unit |
 |---|---|---|
 | V_r, V_d | rated voltage, deadband of the machine's file | V |
 | d, k | what the driver has learnt (`valve_adaptation`) | V, - |
-| R | reach: opening at V_r over the file's, (V_r - V_d - d) / ((1 + k) (V_r - V_d)) | - |
+| R | opening ratio: opening at V_r over the file's, (V_r - V_d - d) / ((1 + k) (V_r - V_d)) | - |
 | y | position of a spool by its first-order lag: the voltage that would hold it there | V |
 | a, v, e | reference and measured joint rate, error of the joint against its reference | rad/s, rad/s, rad |
 | c | ceiling: the rate that a joint whose valve is fully open can follow, abs v - h abs e | rad/s |
@@ -38,7 +38,7 @@ STATUS_EVERY = 20  # [1] steps between two reports of the driver: 10 Hz
 WIDE = 0.95  # [1] of the rated voltage, from which a valve is fully open: noise and the lag keep it below 1
 
 
-class Reach(NamedTuple):
+class OpeningRatio(NamedTuple):
     """R of swing, boom, stick, in either direction."""
 
     forward: Vec3
@@ -64,45 +64,47 @@ class TrackingLimits(NamedTuple):
 class Valves(NamedTuple):
     """What the velocity scaling knows of the valves."""
 
-    reach: Reach
+    opening_ratio: OpeningRatio
     tracking_limits: TrackingLimits
 
 
-FULL = Reach((1.0, 1.0, 1.0), (1.0, 1.0, 1.0))
+FULL = OpeningRatio((1.0, 1.0, 1.0), (1.0, 1.0, 1.0))
 NO_TRACKING_LIMIT = TrackingLimits()
 AS_FILED = Valves(FULL, NO_TRACKING_LIMIT)
 
 
-def reached(deadband: float, gained: float, edge: Direction) -> float:
+def opening_ratio(deadband: float, gained: float, edge: Direction) -> float:
     """Return R for a deadband [V] and a gain, 1/(1 + k), of a direction; 1 where they are no numbers."""
-    share = gained * (edge.rated_voltage - deadband) / (edge.rated_voltage - edge.deadband_voltage)
-    return bounded(share)
+    ratio = gained * (edge.rated_voltage - deadband) / (edge.rated_voltage - edge.deadband_voltage)
+    return bounded(ratio)
 
 
-def bounded(share: float) -> float:
+def bounded(ratio: float) -> float:
     """Return R within what is believed; 1 for what is no number."""
-    return max(LEAST, min(MOST, share)) if math.isfinite(share) else 1.0
+    return max(LEAST, min(MOST, ratio)) if math.isfinite(ratio) else 1.0
 
 
-def learnt_reach(estimates: tuple[ValveEstimate, ValveEstimate, ValveEstimate], axes: Axes) -> Reach:
+def learnt_opening_ratio(
+    estimates: tuple[ValveEstimate, ValveEstimate, ValveEstimate], axes: Axes
+) -> OpeningRatio:
     """Return R as the driver has learnt it."""
     one, two, three = estimates
-    return Reach(
+    return OpeningRatio(
         (_ahead(one, axes[0]), _ahead(two, axes[1]), _ahead(three, axes[2])),
         (_back(one, axes[0]), _back(two, axes[1]), _back(three, axes[2])),
     )
 
 
 def _ahead(learner: ValveEstimate, axis: AxisDriver) -> float:
-    return _reached(learner.forward, axis.valve.forward)
+    return _ratio(learner.forward, axis.valve.forward)
 
 
 def _back(learner: ValveEstimate, axis: AxisDriver) -> float:
-    return _reached(learner.backward, axis.valve.backward)
+    return _ratio(learner.backward, axis.valve.backward)
 
 
-def _reached(way: DirectionEstimate, edge: Direction) -> float:
-    return reached(edge.deadband_voltage + way.deadband, gain(way), edge)
+def _ratio(way: DirectionEstimate, edge: Direction) -> float:
+    return opening_ratio(edge.deadband_voltage + way.deadband, gain(way), edge)
 
 
 def open_wide(spools: Vec3, rated: Vec3) -> Flags:

@@ -47,7 +47,7 @@ Holds = tuple[HoldState, HoldState, HoldState]
 LOWEST_SUPPLY = 0.25  # [1] of the idle supply pressure: below, the pump is off or its transducer broken
 HIGHEST = 2.0  # [1] of the nominal supply pressure: above, a transducer is broken; chosen
 FILLING = 60.0  # [rad/s] low-pass of the ports' mean pressure, 10 Hz; chosen, not measured
-HELD = 1e-6  # [V] command below which the actuator is to be held: above the servo's `HELD` as a voltage
+HOLD_COMMAND = 1e-6  # [V] below which the actuator is to be held: above the servo's `HOLD_RATE` as a voltage
 LOWEST_PORT = 1e6  # [Pa] below tank: behind a long hose a port may read less than zero for a moment
 SOONEST = 0.0025  # [s] between two commands at the least, whatever the stamps say: half a period
 FORGOTTEN = 0.3  # [s] time constant with which a late voltage is forgotten; chosen, not measured
@@ -207,7 +207,7 @@ def _fed(
     A leaking motor under load must be fed to stand still, by however small a command; zero is zero.
     While the swing is held what it bears at rest counts, as its weight on a slope, and not its rocking.
     """
-    axis, held, scale = p.axes[i], abs(command) < HELD, _leakage(p.axes[i])
+    axis, held, scale = p.axes[i], abs(command) < HOLD_COMMAND, _leakage(p.axes[i])
     borne = scale * _borne_at_rest(state, position, axis) if i == 0 else 0.0
     leaked = borne if held else scale * state.loads[i]
     fed, least = command + leaked if command != 0.0 else 0.0, axis.least_fed

@@ -13,14 +13,8 @@ from forest_ident.diagnosis.signatures import CAUSES, MACHINE_FILE, SENSOR_FROZE
 
 MACHINE, SENSORS = "machine", "sensors"
 MOST = 4  # sensors that are named
-OF_FILE = (
-    "gain",
-    "deadband",
-    "follow",
-    "agree",
-    "drain",
-    "meter",
-)  # residuals whose tolerance a machine file must keep
+# Residuals whose tolerance a machine file must keep.
+OF_FILE = ("gain", "deadband", "follow", "agree", "drain", "meter")
 SEVERAL = 2  # axes; one, where a flow meter and a length sensor contradict the file's area
 METER = "meter"
 

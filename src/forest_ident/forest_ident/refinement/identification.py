@@ -49,11 +49,8 @@ from forest_ident.refinement.result import Refined, Result
 from forest_ident.refinement.workload import Workload
 
 HELD_OUT = ("validation", "motion")
-OWN_VALVE = (
-    4.0,
-    0.01,
-)  # standard errors and volts by which an axis' valve must differ to get its own section
-
+# Standard errors and volts by which an axis' valve must differ to get its own section.
+OWN_VALVE = (4.0, 0.01)
 
 Progress = Callable[[str, float], None]
 

@@ -166,9 +166,8 @@ def _spin(node: Node, signals: _StopSignals) -> int:
     last_words: Callable[[], None] | None = getattr(node, "stop", None)
     if last_words is not None:
         code = max(code, _outcome(last_words))
-    _wait_for_acknowledgement(
-        node
-    )  # what was said in a thread of the node's, too, as the last batch of a lockstep run
+    # What was said in a thread of the node's counts, too, as the last batch of a lockstep run.
+    _wait_for_acknowledgement(node)
     executor.shutdown(timeout_sec=0.0)
     return code
 

@@ -14,7 +14,7 @@ import numpy as np
 
 from forest_control.operator.levers import levers_for_tip_velocity
 from forest_control.servo.schemes import Scheme
-from forest_control.taught.tip_path import TipPath, distance_from, polyline
+from forest_control.taught.tip_path import TipPath, cross_track_distance, polyline
 from forest_description.derived.limits import pose_at, start_tip
 from forest_description.machine import Machine
 from forest_description.types import Floats, Vec3
@@ -237,7 +237,7 @@ def _along(
     start, suite = pose_at(course.start, machine), noisy(machine, seed)
     given = (machine, rows, start, control, settings.drive)
     led = compiled_loop.prepared(*given, suite=suite, plant=plant).lead(course.places, course.hand)
-    return distance_from(line_of(path), led.moved.tip[::EVERY]), led
+    return cross_track_distance(line_of(path), led.moved.tip[::EVERY]), led
 
 
 def _driven(

@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 
 from forest_compile.kernel_cache import CachedKernel
-from forest_control.taught.tip_path import PathError, distance_from
+from forest_control.taught.tip_path import PathError, cross_track_distance
 from forest_description.machine import load_machine
 from forest_study.ablation.constants import ROOMS, Changes, at_runtime, changed, numbers
 from forest_study.ablation.scenes import SCENES, pushes
@@ -41,7 +41,7 @@ def tried(trials: Sequence[Trial]) -> Iterator[Figures | None]:
         StudyError: a name is not known.
     """
     numbers(ROOMS, load_machine(trials[0].machine))  # all modules are imported once, here
-    distance_from(np.eye(3), np.eye(3))  # scipy is, too
+    cross_track_distance(np.eye(3), np.eye(3))  # scipy is, too
     with multiprocessing.get_context("fork").Pool(len(os.sched_getaffinity(0)), maxtasksperchild=1) as pool:
         yield pool.apply(figures, (trials[0],))
         yield from pool.imap(figures, trials[1:], chunksize=1)

@@ -27,7 +27,7 @@ from forest_control.pipeline.guarded_controller import GuardedController
 from forest_control.safety.driver_response import DriverSample
 from forest_control.safety.motion_permission import Permission, Verdict, armed_watch
 from forest_control.valve import valve_driver, valve_driver_parameters
-from forest_control.valve.tracking_limit import learnt_reach
+from forest_control.valve.tracking_limit import learnt_opening_ratio
 from forest_description.geometry.kinematics import tip_position
 from forest_description.machine import Machine
 from forest_description.types import ZERO, Floats, Vec3
@@ -223,7 +223,9 @@ class ClosedLoop:
         self._control(heard)
         command = self._command(heard)
         volts = self._in_force(command, seen)
-        self._reports = reported(self._reports, learnt_reach(self._driver.estimates, self._drive.axes))
+        self._reports = reported(
+            self._reports, learnt_opening_ratio(self._driver.estimates, self._drive.axes)
+        )
         self._move(volts)
         self._count += 1
         return Happened(
@@ -259,7 +261,7 @@ class ClosedLoop:
     def _control(self, now: float) -> None:
         """Have the controller answer the states that have arrived, or their absence."""
         driver = DriverSample(self._driver.voltages, now)
-        valves = ValveFeedback(self._reports.reach, self._driver.voltages, driver)
+        valves = ValveFeedback(self._reports.heard, self._driver.voltages, driver)
         lost = self.controller.stops_without_state(now)
         for stamp, seen in self._states.arrived(now):
             machine = machine_state(seen, stamp, now)

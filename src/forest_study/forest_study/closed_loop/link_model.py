@@ -15,7 +15,7 @@ from typing import Annotated, Generic, NamedTuple, TypeVar
 
 import numpy as np
 
-from forest_control.valve.tracking_limit import FULL, STATUS_EVERY, Reach
+from forest_control.valve.tracking_limit import FULL, STATUS_EVERY, OpeningRatio
 from forest_msgs_py.runtime.parameter_table import Parameter, table_rows
 
 T = TypeVar("T")
@@ -86,20 +86,22 @@ class Link(Generic[T]):
 
 
 class Reports(NamedTuple):
-    """What the driver has said of its valves' reach, as it comes to the controller of a graph in lockstep."""
+    """What the driver has said of its valves' openings, as a controller hears it in lockstep."""
 
-    reach: Reach = FULL  # that the controller has
-    older: Reach = FULL  # said, on the way
-    newer: Reach = FULL
+    heard: OpeningRatio = FULL  # that the controller has
+    older: OpeningRatio = FULL  # said, on the way
+    newer: OpeningRatio = FULL
     step: int = 0  # of the driver
 
 
-def reported(r: Reports, now: Reach) -> Reports:
-    """Return the reports after another step of the driver, by which it knows its reach.
+def reported(r: Reports, now: OpeningRatio) -> Reports:
+    """Return the reports after another step of the driver, by which its valves open so far.
 
     It says it every `STATUS_EVERY` steps, and in lockstep two such spans later that is heard.
     """
     step = (r.step + 1) % STATUS_EVERY
     if step == 1:
-        return Reports(r.reach, r.older, now, step)
-    return Reports(r.older, r.newer, r.newer, step) if step == 0 else Reports(r.reach, r.older, r.newer, step)
+        return Reports(r.heard, r.older, now, step)
+    if step == 0:
+        return Reports(r.older, r.newer, r.newer, step)
+    return r._replace(step=step)

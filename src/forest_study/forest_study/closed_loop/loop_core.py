@@ -32,7 +32,7 @@ from forest_control.safety.motion_permission import (
     updated_joystick,
 )
 from forest_control.valve import valve_driver, valve_driver_parameters
-from forest_control.valve.tracking_limit import learnt_reach
+from forest_control.valve.tracking_limit import learnt_opening_ratio
 from forest_description.geometry.kinematics import Links, tip_position
 from forest_description.types import ZERO, Vec3
 from forest_msgs_py.types import PERIOD, PERIOD_NS
@@ -150,7 +150,7 @@ def moved(
         voltages=volts,
         pressures=seen.pressures,
     )
-    reports = reported(loop.reports, learnt_reach(drive.estimates, k.drive.axes))
+    reports = reported(loop.reports, learnt_opening_ratio(drive.estimates, k.drive.axes))
     return Loop(
         simulation=simulation, sensors=sensors, control=control, drive=drive, reports=reports
     ), happened
@@ -178,7 +178,7 @@ def guarded(
     if not decision.believed:
         return stopped(before._replace(permission=permission)), ZERO
     cylinders = seen.actuators.position[1], seen.actuators.position[2]
-    inputs = control_inputs(machine, decision, cylinders, loop.reports.reach, loop.drive.voltages)
+    inputs = control_inputs(machine, decision, cylinders, loop.reports.heard, loop.drive.voltages)
     begun = control_state.stopped(before.state) if decision.verdict == Verdict.STOP else before.state
     state, output = controller.step(begun, inputs, k.control, decision.dt)
     return Guarded(permission, state, output.command), output.tip_reference

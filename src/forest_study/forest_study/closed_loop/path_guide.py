@@ -20,6 +20,7 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 from forest_control.operator.levers import REST, Levers, levers_for_tip_velocity
+from forest_description.geometry.vectors import dot, minus, norm
 from forest_description.types import Vec3
 from forest_msgs_py.types import PERIOD
 
@@ -85,15 +86,15 @@ def place_at(places: Sequence[float], at: float, last: int) -> Vec3:
 
 def asked(guide: Guide, hand: Hand, places: Sequence[float], last: int) -> Vec3:
     """Return the tip velocity [m/s] that the operator wishes in this period."""
-    size = _size(_step(places, guide.clock, last))
+    size = norm(_step(places, guide.clock, last))
     if size < STILL:
         return 0.0, 0.0, 0.0
     along = _step(places, min(guide.clock, guide.beside + hand.latency), last)
-    if _size(along) < STILL:
+    if norm(along) < STILL:
         along = _step(places, guide.clock, last)
-    length = _size(along)
-    e, speed = _way(guide.place, place_at(places, guide.beside, last)), size / (PERIOD * length)
-    behind = (e[0] * along[0] + e[1] * along[1] + e[2] * along[2]) / (length * length)
+    length = norm(along)
+    e, speed = minus(place_at(places, guide.beside, last), guide.place), size / (PERIOD * length)
+    behind = dot(e, along) / (length * length)
     return (
         speed * along[0] + BACK * (e[0] - behind * along[0]),
         speed * along[1] + BACK * (e[1] - behind * along[1]),
@@ -119,12 +120,12 @@ def answered(
         guide.place[1] + PERIOD * velocity[1],
         guide.place[2] + PERIOD * velocity[2],
     )
-    along, away = _step(places, guide.beside, last), _way(place_at(places, guide.beside, last), r)
-    square = along[0] * along[0] + along[1] * along[1] + along[2] * along[2]
+    along, away = _step(places, guide.beside, last), minus(r, place_at(places, guide.beside, last))
+    square = dot(along, along)
     if square < STILL * STILL:
         beside = guide.beside + 1.0
     else:
-        ahead = (away[0] * along[0] + away[1] * along[1] + away[2] * along[2]) / square
+        ahead = dot(away, along) / square
         beside = guide.beside + max(0.0, min(ahead, QUICKEST))
     after = guide.clock + 1.0
     if said == REST:
@@ -135,12 +136,4 @@ def answered(
 
 def _step(places: Sequence[float], at: float, last: int) -> Vec3:
     """Return the profile's way [m] in the period from a clock on."""
-    return _way(place_at(places, at, last), place_at(places, at + 1.0, last))
-
-
-def _way(a: Vec3, b: Vec3) -> Vec3:
-    return b[0] - a[0], b[1] - a[1], b[2] - a[2]
-
-
-def _size(v: Vec3) -> float:
-    return math.sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2])
+    return minus(place_at(places, at + 1.0, last), place_at(places, at, last))

@@ -11,7 +11,7 @@ from forest_bag.read.timeseries import Bag
 from forest_control.config.controller_settings import Settings, operator_profile
 from forest_control.operator.levers import RIGHT_Y, levers_from_axes
 from forest_control.operator.operator_profile import Mode, OperatorProfile, rate_mode_velocity, shaped
-from forest_control.taught.tip_path import distance_from
+from forest_control.taught.tip_path import cross_track_distance
 from forest_description.types import Floats
 from forest_msgs_py.interfaces import topics
 from forest_msgs_py.runtime.parameter_table import table_of, typed_values
@@ -71,7 +71,7 @@ def hand_measures(bag: Bag, profile: OperatorProfile) -> HandMeasures:
     lost = np.where(armed, 1.0 - factor, 0.0)[:-1] @ np.diff(time)
     return HandMeasures(
         governed=deviation(np.linalg.norm(moved - governed, axis=1)),
-        cross_track=None if wish is None else deviation(distance_from(wish, moved)),
+        cross_track=None if wish is None else deviation(cross_track_distance(wish, moved)),
         wish=None if wish is None else deviation(np.linalg.norm(moved - wish, axis=1)),
         time_lost_s=float(lost),
     )

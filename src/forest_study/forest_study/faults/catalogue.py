@@ -8,10 +8,8 @@ from forest_study.faults.fault import ALL, DRIVEN, HELD, MOVING, Bound, Fault, S
 
 JOYSTICK_LOST = "joystick: nothing new for longer than joy_timeout"
 NO_STATE = "nothing good of the machine's state"
-OF_MACHINE = (
-    "machine",
-    "overload",
-)  # begin sentences of `runaway`, `machine_file_check`, `overloaded_joint`
+# How sentences of `runaway`, `machine_file_check` and `overloaded_joint` begin.
+OF_MACHINE = ("machine", "overload")
 STATE_BAD = "joint state: "
 AT_ONCE = Bound(zero=0.02, way=0.06)
 HEARD = Bound(zero=0.1, way=0.12)

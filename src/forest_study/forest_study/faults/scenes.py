@@ -41,9 +41,10 @@ BEGUN = 0.3  # [s] with centred levers
 LIMIT_REACH = 7.2  # [m] from where the stick's end is near
 STATE_TIMEOUT = 0.1  # [s] of the scripted operator, its default
 CYCLE = "round"
+# [m] places of the cycle: 12 s at 0.4 m/s.
 ROUND: tuple[Vec3, ...] = (
     *((5.5, 0.0, 0.8), (6.3, 0.9, 0.8), (6.3, 0.9, 1.5), (5.3, -0.4, 1.2), (5.5, 0.0, 0.8)),
-)  # [m] about it: 12 s at 0.4 m/s
+)
 
 
 class Scene(Protocol):

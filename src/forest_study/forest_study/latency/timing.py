@@ -27,7 +27,7 @@ from forest_control.config.controller_settings import operator_profile
 from forest_control.operator.joystick_watch import NO_STAMP, Sample
 from forest_control.operator.levers import Levers, levers_from_axes
 from forest_control.operator.operator_profile import rate_mode_velocity, shaped
-from forest_control.taught.tip_path import distance_from
+from forest_control.taught.tip_path import cross_track_distance
 from forest_control.valve import valve_driver_parameters
 from forest_description.machine import Machine, load_machine
 from forest_description.types import ZERO, Floats, Vec3
@@ -164,7 +164,7 @@ def score(moved: Trajectory, session: Session) -> dict[str, dict[str, float]]:
     wish = moved.tip[0] + np.vstack([np.zeros(3), np.cumsum(asked[:-1], axis=0) * PERIOD])
     away = {
         "governed": np.linalg.norm(moved.tip_error(), axis=1),
-        "cross_track": distance_from(wish, moved.tip),
+        "cross_track": cross_track_distance(wish, moved.tip),
         "wish": np.linalg.norm(moved.tip - wish, axis=1),
     }
     found = {name: deviation(error) for name, error in away.items()}

@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from forest_control.taught.tip_path import Profile, TipPath, distance_from
+from forest_control.taught.tip_path import Profile, TipPath, cross_track_distance
 from forest_description.machine import Machine
 from forest_description.types import Floats
 from forest_msgs_py.types import PERIOD
@@ -105,7 +105,7 @@ def _away(one: Drawn, rows: range, end: int, governed: Floats, tips: Floats) -> 
     return _Away(
         rows=rows,
         governed=governed[rows],
-        cross=distance_from(one.line, tips[rows]),
+        cross=cross_track_distance(one.line, tips[rows]),
         wish=np.linalg.norm(tips[rows] - one.ideal_in(rows), axis=1),
         lost=time_lost(lap.path, lap.profile, times, tips[whole]),
         end=math.dist(tips[end - 1], lap.path.at(lap.path.length)),

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from matplotlib.figure import Figure, FigureBase
 
-from forest_control.taught.tip_path import distance_from
+from forest_control.taught.tip_path import cross_track_distance
 from forest_description.types import AXES
 
 if TYPE_CHECKING:
@@ -65,7 +65,7 @@ def _draw_errors(ax: "Axes", moved: "Trajectory", session: "Session | None") -> 
     ax.set(xlabel="time, s", ylabel="tip off by, mm")
     if not session:
         return
-    ax.plot(moved.time, 1e3 * distance_from(session.drawn[0].line, moved.tip), label="cross-track")
+    ax.plot(moved.time, 1e3 * cross_track_distance(session.drawn[0].line, moved.tip), label="cross-track")
     for k, one in enumerate(session.drawn):
         rows = one.lap.rows(session.led.clock)
         wish = 1e3 * np.linalg.norm(moved.tip[rows] - one.ideal_in(rows), axis=1)

@@ -3,8 +3,8 @@
 // 50 times a second and at once on a change, straight from the event to the socket: no redraw is waited for.
 
 import { Deadman, hung } from "./deadman.js";
-import { watchDoubts } from "./doubts.js";
 import { Gamepads } from "./gamepads.js";
+import { watchInputLoss } from "./input_loss.js";
 import { CENTRED, buttonBits, mergeAxes } from "./joy.js";
 import { Keyboard } from "./keyboard.js";
 import { Lateness, TOO_LATE, isLateness } from "./late.js";
@@ -35,7 +35,7 @@ class Hands extends EventTarget {
     this.sent = { at: -Infinity, state: "", held: false };
     this.asked = new Map(); // number → when [ms]
     this.looked = performance.now();
-    watchDoubts((why) => this.#doubt(why));
+    watchInputLoss((why) => this.#doubt(why));
     station.on("seat", (seat) => this.#sit(seat));
     station.on("pong", ({ number }) => this.#measure(number));
     station.on("close", () => this.#disconnect());

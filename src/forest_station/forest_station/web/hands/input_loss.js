@@ -1,7 +1,7 @@
 // Everything in a browser after which nobody knows whether a hand is still where it was.
 
 // Calls `release(why)` for each of them.
-export function watchDoubts(release) {
+export function watchInputLoss(release) {
   const on = (target, event, why, when = () => true) =>
     target.addEventListener(event, (details) => when(details) && release(why), true);
   on(window, "blur", "the window lost the focus", ({ target }) => target === window); // not a button, for another one
