@@ -144,10 +144,11 @@ def test_hands_that_are_often_too_late_are_told_what_is_to_be_done_about_the_com
         return [here, { ...here, doubted: true }].map((one) => adviceFor(seat, one, false, {}).text);
       });
     }"""
-    late = "The hands came too late: this computer or the network is too busy."
+    late = "Sticks and keys came too late: this computer or the network is too busy."
     pressed = f"{late} Let go of the key."
+    remedies = "Close programs, shrink the window, or click pictures/s to stop them."
     once = [f"{late} Hold the key, then move a stick.", pressed]
-    often = [f"{late} Close other programs, or make this window smaller.", pressed]
+    often = [f"{late} {remedies}", pressed]
     assert js("hands/late.js", steps) == [once, once, often]
 
 
