@@ -311,7 +311,7 @@ def test_a_reset_waits_until_the_deadman_is_let_go(met: PageStandIn) -> None:
     met.tell("emergency_stop", active=True, sources=[{"name": "controller", "state": "stopped"}])
     reset = met.page.get_by_role("button", name="Reset")
     reset.click()
-    met.page.wait_for_selector("#message :text('STOPPED. Not reset: let go of the deadman first.')")
+    met.page.wait_for_selector("#message :text('STOPPED. Not reset: let go of the left Shift key first.')")
     met.page.wait_for_selector("#first_minute :text('Stopped. Let go of the left Shift key.')")
     met.page.keyboard.up("Shift")
     met.page.clock.run_for(40)
@@ -629,3 +629,91 @@ def test_the_sticks_are_named_anew_with_the_scheme(met: PageStandIn) -> None:
     for scheme, words in (("joint", "stick out"), ("coordinated", "away")):
         met.tell("parameters", nodes={"controller": {"scheme": CHOICE | {"value": scheme}}})
         met.page.wait_for_selector(f"#left_stick .away span:text('{words}')")
+
+
+BAG = {"name": "mine", "bytes": 2000, "modified": 0, "seconds": 3}
+TOLD = {"seconds": 3.0, "start": 0.0, "signals": [["x", "m"]], "events": [], "first": {}, "notes": []}
+
+
+def replayed(met: PageStandIn) -> None:
+    """Have a bag replayed that the list names."""
+    met.pages |= {"/bags.json": [BAG], "/bags/mine.json": TOLD | {"scene": {}}}
+    page = met.page
+    page.route("**/bags/mine/frames*", lambda route: route.fulfill(body=b"", content_type="text/plain"))
+    page.get_by_role("button", name="Read the list again").click()
+    page.get_by_role("button", name="Replay", exact=True).click()
+    page.wait_for_selector("#replay_banner", state="visible")
+
+
+def test_in_a_replay_the_page_says_how_to_drive_and_forgets_it_with_the_replay(met: PageStandIn) -> None:
+    page, shown = met.page, "A replay is shown."
+    replayed(met)
+    met.tell_seat(deadman=("ready", ""))
+    page.wait_for_selector(f"#message [data-tone=calm]:text-is('{shown} Press Back to live to drive.')")
+    assert not page.get_by_role("button", name="Mark a square").is_visible()
+    page.keyboard.down("Shift")
+    page.clock.run_for(100)
+    page.wait_for_selector(f"#message [data-tone=warn]:text-is('{shown} Let go of the left Shift key.')")
+    page.keyboard.up("Shift")
+    page.clock.run_for(100)
+    page.get_by_role("button", name="Back to live").click()
+    page.wait_for_selector("#message :text-is('Hold the left Shift key, then move a stick.')")
+    assert page.get_by_role("button", name="Mark a square").is_visible()
+
+
+def test_after_a_reset_the_line_is_calm(met: PageStandIn) -> None:
+    met.page.keyboard.down("Shift")
+    wait(met, lambda hands: hands.held)
+    met.page.keyboard.press("Escape")
+    met.page.keyboard.up("Shift")
+    met.tell("emergency_stop", active=True, sources=[{"name": "controller", "state": "stopped"}])
+    met.page.clock.run_for(400)
+    met.tell("emergency_stop", active=False, sources=[])
+    met.tell_seat(deadman=("ready", ""))
+    hint = "Hold the left Shift key, then move a stick."
+    met.page.wait_for_selector(f"#message [data-tone=calm]:text-is('{hint}')")
+
+
+def test_a_cycle_that_waits_is_no_reason_to_move_a_stick(met: PageStandIn) -> None:
+    told = {"there": True, "cycle": "mine", "segment": "out", "text": ""}
+    met.tell_seat(deadman=("ready", ""))
+    for phase, said in (
+        ("waiting", ", and leave the sticks alone: the cycle goes on."),
+        ("idle", ", then move a stick."),
+    ):
+        met.tell("taught_work", phase=phase, **told)
+        met.page.wait_for_selector(f"#message :text-is('Hold the left Shift key{said}')")
+
+
+def test_on_a_phone_a_replay_is_seen_where_the_drawer_was(phone: PageStandIn) -> None:
+    phone.rest()
+    page, drawer = phone.page, phone.page.locator("#drawer-button")
+    if drawer.inner_text() == "Instruments":
+        drawer.click()
+    assert drawer.inner_text() == "Crane"
+    replayed(phone)
+    assert drawer.inner_text() == "Instruments"
+    page.get_by_role("button", name="Back to live").click()
+    page.wait_for_selector("#replay_banner", state="hidden")
+
+
+# The end of the exercise, and both of its buttons.
+DONE = """async () => {
+  const { resultText } = await import("/web/exercise/words.js");
+  const panel = document.querySelector("#first_minute");
+  const [text, acts] = [panel.querySelector("p"), [...panel.querySelectorAll("button")]];
+  const before = [text.textContent, acts.map(({ hidden }) => hidden)];
+  text.textContent = resultText({ mean: 0.105, most: 0.182, seconds: 108 }, 0.123);
+  for (const act of acts) act.hidden = false;
+  acts[0].textContent = "Mark another square";
+  const cut = text.scrollHeight > text.clientHeight + 1;
+  text.textContent = before[0];
+  acts.forEach((act, i) => (act.hidden = before[1][i]));
+  return cut;
+}"""
+
+
+@pytest.mark.usefixtures("sized")
+@pytest.mark.parametrize("sized", [(1280, 800), (900, 600), (390, 844)], indirect=True)
+def test_the_result_of_the_exercise_is_not_cut_off_by_its_buttons(met: PageStandIn) -> None:
+    assert not met.page.evaluate(DONE)

@@ -17,7 +17,11 @@ GO = f"Let go of {GRIP}."
 STICKS = "Let go of sticks and keys."
 MISSING = "Let go of sticks and keys: nothing moves without the deadman."
 HOLD = f"Hold {GRIP}, then move a stick."
-LATE = "The hands came too late: this computer or the network is too busy."
+LATE = "Sticks and keys came too late: this computer or the network is too busy."
+OFTEN = "Close programs, shrink the window, or click pictures/s to stop them."
+REPLAY = {"replays": True}
+IN_REPLAY = "The square is driven with the live crane."
+GOES_ON = f"Hold {GRIP}, and leave the sticks alone: the cycle goes on."
 ALL = "Stopped: control, valves, simulated crane."
 RELEASED, PRESSED, HELD = "Deadman released", "Deadman pressed", "Deadman held"
 DOUBTED = "Deadman does not count"
@@ -64,9 +68,25 @@ TABLE: tuple[tuple[str, dict[str, Any], tuple[str, str, str]], ...] = (
     (
         "often too late",
         state(seat(state="ready", cause=TOO_LATE), here={"often": True}),
-        (RELEASED, f"{LATE} Close other programs, or make this window smaller.", f"{WAITS} {HOLD}"),
+        (RELEASED, f"{LATE} {OFTEN}", f"{WAITS} {HOLD}"),
     ),
     ("drives", state(seat(), here=HELD_HERE | DEFLECTED), (HELD, "", PUSH)),
+    (
+        "a replay",
+        state(seat(state="ready"), here=REPLAY),
+        (RELEASED, "A replay is shown. Press Back to live to drive.", IN_REPLAY),
+    ),
+    (
+        "a hand on the deadman in a replay",
+        state(seat(state="ready"), here=REPLAY | DOUBTED_HERE),
+        (DOUBTED, f"A replay is shown. {GO}", IN_REPLAY),
+    ),
+    ("a replay for who looks on", state(seat(OTHER), here=REPLAY), (HELD, "", IN_REPLAY)),
+    (
+        "a cycle that waits for the deadman",
+        state(seat(state="ready"), here={"plays": True}),
+        (RELEASED, GOES_ON, f"{WAITS} {GOES_ON}"),
+    ),
     (
         "slowed",
         state(seat(), here=HELD_HERE | DEFLECTED, status={"factor": 0.28, "limit": Limit.FLOW}),
@@ -135,6 +155,7 @@ ORDERS = {
     "let go of sticks": r"et go of sticks",
     "hold": r"Hold ",
     "reset": r"ress Reset",
+    "back to live": r"Press Back to live",
     "push": r"push the",
     "take the seat": r"[Tt]ake the seat",
     "ask for control": r"[Aa]sk for control",
@@ -155,8 +176,9 @@ def is_open(order: str, told: dict[str, Any], texts: dict[str, Any]) -> bool:
     return {
         "let go of the deadman": drives and pressed,
         "let go of sticks": drives and deflected and (not pressed or told["status"]["disarmed"]),
-        "hold": drives and at_rest and not stopped and texts["deadman"] == RELEASED,
+        "hold": drives and at_rest and not (stopped or here["replays"]) and texts["deadman"] == RELEASED,
         "reset": drives and at_rest and stopped,
+        "back to live": drives and at_rest and not stopped and here["replays"],
         "push": texts["moves"] and texts["deadman"] == HELD and not stopped,
         "take the seat": told["seat"] is not None and told["seat"]["driver"] is None and not stopped,
         "ask for control": told["seat"] is not None and told["seat"]["driver"] == OTHER and not stopped,
@@ -182,7 +204,7 @@ def test_whoever_drives_and_moves_nothing_is_told_what_to_do_unless_it_is_heard_
             "ready": here["held"],
             "held": not pressed and not here["deflected"],
         }[judged]
-        stopped, told_otherwise = one["stop"]["active"], "Close other programs" in found["line"]
+        stopped, told_otherwise = one["stop"]["active"], "Close programs" in found["line"]
         assert found["moves"] or orders(found) or told_otherwise or (on_its_way and not stopped), (one, found)
 
 

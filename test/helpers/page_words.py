@@ -27,7 +27,8 @@ _SHOWN = """async (m, text) => {
     line.say("drive", advice.text);
     const attempt = push && begun(squareAt([5, 0, 1]));
     const tip = (push ?? [0, 0, 0]).map((way, i) => [5, 0, 1][i] + way);
-    const shown = { attempt, tip, best: NaN, advice, stopped: stop.active, seat, fingers, movesTip };
+    const { replays } = here;
+    const shown = { attempt, tip, best: NaN, advice, stopped: stop.active, seat, fingers, movesTip, replays };
     return {
       driver: m.driverText(seat),
       deadman: m.deadmanState(seat, here).text,
@@ -67,20 +68,21 @@ def seat(driver: str | None = YOU, state: str = "held", cause: str = "", **more:
 def state(told: dict[str, Any] | None = None, **changes: Any) -> dict[str, Any]:
     """Return a state: this page drives, nothing is pressed or in the way, and a square is marked."""
     here = {"held": False, "doubted": False, "deflected": False, "why": "", "often": False, "grip": GRIP}
-    here |= {"you": YOU, "lost": ""} | changes.pop("here", {})
+    here |= {"you": YOU, "lost": "", "replays": False, "plays": False} | changes.pop("here", {})
     status = {"disarmed": False, "factor": 1.0, "limit": 0, "axis": ""} | changes.pop("status", {})
     rest = {"stop": NO_STOP, "note": "", "cause": "", "push": [0.1, 0.0, 0.0]}
     return {"seat": told, "here": here, "status": status} | rest | changes
 
 
 def states() -> Iterator[dict[str, Any]]:
-    """Yield every combination of seat, deadman, hands, stop and controller."""
+    """Yield every combination of seat, deadman, hands, stop and controller, live and beside a replay."""
     seats = [None, seat(None), seat(OTHER), seat(OTHER, asking=[YOU])]
     seats += [seat(YOU, judged, cause) for judged in ("waiting", "ready", "held") for cause in ("", TOO_LATE)]
     troubles = ((False, ""), (True, ""), (True, motion_guard.LOST_STATE))
     pushes: tuple[Any, ...] = (None, [0.1, 0.0, 0.0], [0.3, -0.3, 0.5])
-    for told, hands, stop, (disarmed, cause), push, often in itertools.product(
-        seats, HANDS, (NO_STOP, STOP), troubles, pushes, (False, True)
+    twice = (False, True)
+    for told, hands, stop, (disarmed, cause), push, often, replays in itertools.product(
+        seats, HANDS, (NO_STOP, STOP), troubles, pushes, twice, twice
     ):
-        here = hands | {"often": often}
+        here = hands | {"often": often, "replays": replays}
         yield state(told, here=here, stop=stop, status={"disarmed": disarmed}, cause=cause, push=push)

@@ -26,7 +26,7 @@ DRIFT = 5e-4  # [1] of the page's clock against ours: what a clock that is being
 CENTRE = WatchParameters().centre
 
 # The page says the same of its own thread: hands/late.js.
-TOO_LATE = "The hands came too late: this computer or the network is too busy."
+TOO_LATE = "Sticks and keys came too late: this computer or the network is too busy."
 
 
 class State(IntEnum):

@@ -1,13 +1,18 @@
 // The frame around all panels: the drawer of a narrow screen, and whether what is seen is fresh.
 
+import { setText } from "./elements.js";
+
 const FRESH_MS = 500; // frames come 30 times a second
 
 export function layOut(station) {
   const button = document.getElementById("drawer-button");
-  button.addEventListener("click", () => {
-    const open = document.body.toggleAttribute("data-drawer");
+  const show = (open) => {
+    document.body.toggleAttribute("data-drawer", open);
     button.setAttribute("aria-expanded", String(open));
-  });
+    setText(button, open ? "Crane" : "Instruments"); // what a press shows
+  };
+  button.addEventListener("click", () => show(!document.body.hasAttribute("data-drawer")));
+  station.on("replay", (replay) => replay && show(false)); // it is seen in the scene, and left there
   watch(station);
 }
 

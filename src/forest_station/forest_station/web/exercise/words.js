@@ -9,8 +9,9 @@ const [TO_GO, BESIDE, HIGH, LOW] = ["to go", "beside the edge", "too high", "too
 //
 // attempt: or null; tip: [x, y, z] [m]; best: least mean distance of the attempts before [m], NaN for none; advice: of
 // hands/why.js; stopped: the emergency stop is active; seat: or null; fingers: of a person who has no keys; movesTip: sticks
-// move the tip along the sides of the square.
-export function exerciseText({ attempt, tip, best, advice, stopped, seat, fingers, movesTip }) {
+// move the tip along the sides of the square; replays: the page shows a bag.
+export function exerciseText({ attempt, tip, best, advice, stopped, seat, fingers, movesTip, replays = false }) {
+  if (replays) return "The square is driven with the live crane.";
   if (!seat) return "Without a connection nothing can be driven.";
   if (stopped) return `Stopped. ${advice.order || "Who drives can reset it."}`;
   if (!attempt) return introduction(fingers);

@@ -13,7 +13,7 @@ class Advice extends EventTarget {
 
   constructor(station, hands) {
     super();
-    Object.assign(this, { station, hands, you: null, seat: null, stopped: false, parts: [], logged: null, lost: "" });
+    Object.assign(this, { station, hands, you: null, seat: null, stopped: false, phase: "", parts: [], logged: null, lost: "" });
     const hear = (kind, act) =>
       station.on(kind, (detail) => {
         act(detail);
@@ -22,12 +22,14 @@ class Advice extends EventTarget {
     hear("welcome", ({ you }) => (this.you = you));
     hear("seat", (seat) => (this.seat = seat));
     hear("emergency_stop", ({ active }) => (this.stopped = active));
+    hear("taught_work", ({ phase }) => (this.phase = phase));
     hear("diagnostics", ({ parts }) => (this.parts = parts));
     hear("log", ({ text }) => isStanding(text) && (this.logged = { text, at: performance.now() }));
     hear("close", (reason) => {
       if (this.seat || reason) this.lost = lostText(reason);
       this.seat = null;
     });
+    hear("replay", () => {});
     hands.addEventListener("change", () => this.#judge());
     setInterval(() => this.#judge(), PERIOD_MS);
     this.#judge();
@@ -37,7 +39,9 @@ class Advice extends EventTarget {
   get here() {
     const { held, doubted, why } = this.hands.deadman;
     const { deflected, grip, lateness } = this.hands;
-    return { held, doubted, why, deflected, grip, often: lateness.isOften(performance.now()), you: this.you, lost: this.lost };
+    const often = lateness.isOften(performance.now());
+    const now = { replays: !this.station.live, plays: this.phase === "waiting" };
+    return { held, doubted, why, deflected, grip, often, you: this.you, lost: this.lost, ...now };
   }
 
   #judge() {

@@ -56,6 +56,12 @@ class Hands extends EventTarget {
     this.update();
   }
 
+  // What made the deadman be let go is over.
+  forget() {
+    this.deadman.why = "";
+    this.dispatchEvent(new Event("change"));
+  }
+
   // A stick or a key is away from its centre.
   get deflected() {
     return this.axes.some((axis) => axis !== 0);
@@ -95,7 +101,7 @@ class Hands extends EventTarget {
   #judge(now) {
     if (this.deadman.held && hung(this.looked, now)) this.#beLate(now);
     if (document.hidden || !document.hasFocus()) this.deadman.release("the page is not in front");
-    if (!this.station.live) this.deadman.release("a replay is shown: close it to drive");
+    if (!this.station.live) this.deadman.release("a replay is shown");
   }
 
   #beLate(now) {

@@ -2,8 +2,8 @@
 
 const [OFTEN, LATELY_MS] = [2, 60_000]; // times within, of a computer that needs more than another press
 
-export const TOO_LATE = "the hands came too late: this computer or the network is too busy"; // as operator/deadman.py says
-export const ADVICE = "Close other programs, or make this window smaller.";
+export const TOO_LATE = "sticks and keys came too late: this computer or the network is too busy"; // as operator/deadman.py says
+export const ADVICE = "Close programs, shrink the window, or click pictures/s to stop them.";
 
 // Whether a cause is lateness, in the server's words or the page's.
 export const isLateness = (cause) => cause.toLowerCase().startsWith(TOO_LATE);

@@ -35,6 +35,7 @@ export function deadmanState(seat, here) {
 }
 
 const CENTRE = "Let go of sticks and keys";
+const BACK_TO_LIVE = "Press Back to live to drive.";
 
 // What a hand has to let go of first; "" for a hand at rest.
 function letGo({ held, doubted, deflected, grip }) {
@@ -48,7 +49,8 @@ function deadmanOrder({ deadman }, here) {
   if (doubted || (held && deadman.state === "waiting")) return letGo(here);
   if (held) return ""; // the server is about to hear of it
   if (deflected) return `${CENTRE}: nothing moves without the deadman.`;
-  return deadman.state === "ready" ? `Hold ${grip}, then move a stick.` : "";
+  if (deadman.state !== "ready") return "";
+  return here.plays ? `Hold ${grip}, and leave the sticks alone: the cycle goes on.` : `Hold ${grip}, then move a stick.`;
 }
 
 // A cause, if there is one, and what to do.
@@ -71,12 +73,16 @@ export function standingCause(parts, logged, now) {
 
 export const isStanding = (text) => STANDING.test(text);
 
+// Whether nothing is in the way of what a text tells to do.
+export const isHint = (text) => text.startsWith("Hold ") || text.endsWith(BACK_TO_LIVE);
+
 // What is in the way, or slows the tip, and the one thing to do next: {text, order, moves}. `text` holds the order, too;
 // "" if nothing is in the way; `moves`: a stick would move the tip.
 //
 // seat: the newest message, or null; here: {held, doubted, why} of this page's deadman, {deflected}: a stick or a key is
 // away from its centre, {grip}: what is held here to drive, {often}: hands came too late lately, its id, {you}, and how it
-// lost the server, {lost}; stopped: the emergency stop is active; status: {disarmed}: the controller lets no stick move
+// lost the server, {lost}, {replays}: it shows a bag, and
+// {plays}: a cycle waits for the deadman; stopped: the emergency stop is active; status: {disarmed}: the controller lets no stick move
 // anything, for more than a moment, factor and limit of controller/status, NaN where unknown, and {axis}: at its limit, ""
 // if nobody knows; cause: why the controller stands still, "" if nobody knows.
 export function adviceFor(seat, here, stopped, status, cause = "") {
@@ -85,6 +91,7 @@ export function adviceFor(seat, here, stopped, status, cause = "") {
   if (stopped) return { ...said("", seat.you_drive ? letGo(here) || "Press Reset." : ""), text: "" }; // the stop's own line says it
   if (seat.why_not) return said(seat.why_not);
   if (seat.asking.includes(here.you)) return said(`${seat.driver} is asked to hand over.`);
+  if (here.replays) return seat.you_drive ? said("a replay is shown", letGo(here) || BACK_TO_LIVE) : said("");
   if (!seat.you_drive) return said("", seat.driver === null ? "Take the seat to drive." : "");
   if (deadmanState(seat, here).state !== "held") return notHeld(seat, here, said);
   if (status.disarmed) return said(cause && `the controller stopped: ${cause}`, disarmedOrder(here, cause));

@@ -55,7 +55,7 @@ class EmergencyStop {
 
   async reset() {
     const { held, doubted } = this.hands.deadman;
-    if (held || doubted) return this.#refuse("let go of the deadman first.");
+    if (held || doubted) return this.#refuse(`let go of ${this.hands.grip} first.`);
     const { ok, text } = await this.station.ask("reset_emergency_stop");
     return ok ? this.#tell("") : this.#refuse(text);
   }
@@ -75,6 +75,7 @@ class EmergencyStop {
   }
 
   #hear(told) {
+    if (this.told.active && !told.active) this.hands.forget();
     this.told = told;
     if (!this.wanted) this.note = "";
     this.#show();

@@ -27,7 +27,7 @@ class FirstMinute {
     this.text = make("p", { role: "status" });
     this.begins = makeButton("Mark a square", () => this.#begin());
     this.ends = makeButton("Take the square away", () => this.#end());
-    element.append(this.text, this.begins, this.ends);
+    element.append(this.text, make("div", { className: "acts" }, this.begins, this.ends));
     station.on("frame", ({ time }) => this.#follow(time));
     station.on("replay", () => this.#end()); // it is the live crane's
     station.on("parameters", ({ nodes: { controller = {} } }) => {
@@ -76,10 +76,11 @@ class FirstMinute {
     const { seat, stopped, said } = advice;
     const done = attempt && isDone(attempt);
     setText(this.begins, done ? "Mark another square" : "Mark a square");
-    this.begins.hidden = Boolean(attempt) && !done;
+    this.begins.hidden = (Boolean(attempt) && !done) || !this.station.live;
     this.ends.hidden = !attempt;
     const tip = this.#tip();
-    setText(this.text, exerciseText({ attempt, tip, best, advice: said, stopped, seat, fingers: FINGERS, movesTip: moves }));
+    const replays = !this.station.live;
+    setText(this.text, exerciseText({ attempt, tip, best, advice: said, stopped, seat, fingers: FINGERS, movesTip: moves, replays }));
   }
 }
 

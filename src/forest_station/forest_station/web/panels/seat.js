@@ -2,7 +2,7 @@
 
 import { make, makeButton, setText } from "../elements.js";
 import { adviceOf } from "../hands/advice.js";
-import { deadmanState, driverText } from "../hands/why.js";
+import { deadmanState, driverText, isHint } from "../hands/why.js";
 import { momentOf } from "../replay/link.js";
 import { messageLineOf } from "../message_line.js";
 
@@ -39,9 +39,9 @@ class Seat {
     view.driver.dataset.drives = Boolean(seat?.you_drive);
     setText(view.deadman, deadman.text);
     view.deadman.dataset.state = deadman.state;
-    const isHint = said.text.startsWith("Hold "); // nothing is in the way
-    this.line.say("drive", isHint ? "" : said.text);
-    this.line.say("hint", isHint ? said.text : "", "calm");
+    const hint = isHint(said.text);
+    this.line.say("drive", hint ? "" : said.text);
+    this.line.say("hint", hint ? said.text : "", "calm");
     this.#offer(seat ? this.#choices(seat) : []);
   }
 

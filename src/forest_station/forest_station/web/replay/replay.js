@@ -71,7 +71,7 @@ class Replay extends EventTarget {
   async open(name) {
     const bag = await this.#opened(name);
     if (!bag) return;
-    handsOf(this.station).release("a replay is shown: close it to drive"); // told to the server while it still hears us
+    handsOf(this.station).release("a replay is shown"); // told to the server while it still hears us
     this.station.live = false;
     this.bag = bag;
     this.playing = false;
@@ -95,7 +95,8 @@ class Replay extends EventTarget {
     if (!this.active) return;
     this.bag = this.ghost = null;
     this.playing = false;
-    handsOf(this.station).release("a replay was shown"); // what was pressed meanwhile is to be pressed anew
+    handsOf(this.station).release(""); // what was pressed meanwhile is to be pressed anew
+    handsOf(this.station).forget();
     this.station.live = true;
     this.station.setSignals(this.liveSignals);
     for (const kind of ["scene", "ghost", "replay"]) this.station.emit(kind, null);
