@@ -20,8 +20,12 @@ are no error: behind it E = i d + (1 + k) x.
 The regressor holds x as expected from the voltage: the measured x is noisy, which would bias k
 downwards.
 
-A spool beyond the known deadband that moves nothing shows that the overlap is wider, but not how
-wide. So while the deadband is unsure, d goes up to where the spool stands: the servo takes it on.
+A shut valve fits no line: no gain explains that nothing flows. Where no flow shows, the driver adds up
+how far the actuator is behind its spool:
+
+- While the deadband is unsure, d goes up to where the spool stands: the servo takes it on.
+- Behind by more than the position's noise, such an equation tells of d alone.
+- Behind by the gear's play, too, d is unsure again, however sure it was.
 """
 
 import math
@@ -53,8 +57,10 @@ PURITY = 0.95  # [1] of that, in this one direction and measurable: directions m
 MODEL_VOLTS = 0.005  # [V] standard deviation of the valve's law itself; chosen, not measured
 MODEL_SHARE = 0.02  # [1] the same as a share of x; chosen, not measured
 UNSURE = 0.25  # [1] of the deadband's first variance: above it, d is raised, as above; chosen
-CLEAR = 4.0  # [1] standard deviations that a flow, or its absence, must show: one in 16 000 by chance
+CLEAR = 4.0  # [1] standard deviations that a flow, or its absence, must show: one in 30 000 by chance
 FINE = 0.35  # [1] of DEADBAND_SPREAD: a noisier flow cannot tell its absence; chosen
+BEHIND = 5.0  # [1] of the position's noise, which two samples differ by once in 5000 by chance
+LATE = 3.0  # [1] standard deviations of the lag by which a ramp's flow may be late: one in 700 by chance
 LAG_SPREAD = 0.006  # [s] by which a spool may be slower or quicker than its file says; chosen
 
 
@@ -74,6 +80,18 @@ class DirectionEstimate(NamedTuple):
     p_dd: float = 1.0
     p_dk: float = 0.0
     p_kk: float = 1.0
+    behind: float = 0.0  # how far the actuator is behind the spool since no flow shows [m; rad]
+
+
+class Equation(NamedTuple):
+    """E = i d + (1 + k) x of one period, behind the low-pass; all counts along the direction."""
+
+    share: float  # i
+    excess: float  # E [V]
+    flowing: float  # x by the measured flow [V]
+    expected: float  # x by the voltage and what is learnt [V]
+    noise: float  # standard deviation of `flowing` [V]
+    late: float  # standard deviation of E while the spool ramps: its lag is not known exactly [V]
 
 
 class ValveEstimate(NamedTuple):
@@ -116,8 +134,10 @@ def updated_estimate(
     share = abs(low.mark_2)
     if share > LEAST_SHARE and share > PURITY * low.open_2:
         if low.mark_2 > 0.0:
+            backward = backward._replace(behind=0.0)
             forward = _update(forward, low, law.forward, law, flow, a, dt)
         else:
+            forward = forward._replace(behind=0.0)
             backward = _update(backward, low, law.backward, law, flow, a, dt)
     return ValveEstimate(forward=forward, backward=backward, low=low, last=sample, late=late, primed=True)
 
@@ -164,40 +184,74 @@ def _update(
     a: AdaptationParameters,
     dt: float,
 ) -> DirectionEstimate:
-    """Return the estimate after one more equation; all counts along the direction of `edge`."""
+    """Return the estimate after one more equation."""
+    seen = _equation(way, low, edge, law, flow, dt)
+    volts_per_speed = (edge.rated_voltage - edge.deadband_voltage) * low.gradient_2
+    way = way._replace(behind=_behind(way, seen, dt / volts_per_speed))
+    if way.p_dd > UNSURE and not _shows(seen):
+        return _searched(way, seen, a)
+    noise = BEHIND * flow.position_noise
+    x = seen.expected if way.behind <= noise else 0.0
+    if way.behind > noise + flow.play:
+        way = way._replace(p_dd=UNSURE)
+    return _bounded(_least_squares(way, seen, max(0.0, x), a, dt), edge, a)
+
+
+def _equation(
+    way: DirectionEstimate, low: LowPassed, edge: Direction, law: ValveLaw, flow: FlowParameters, dt: float
+) -> Equation:
     sign = math.copysign(1.0, low.mark_2)
     share, excess = sign * low.mark_2, sign * low.excess_2
     span = edge.rated_voltage - edge.deadband_voltage
-    x = share * _file_voltage(sign * low.opening_2 / share, sign, edge, law)
-    expected = (excess - share * way.deadband) / (1.0 + way.stretch)
-    noise = span * math.sqrt(opening_variance(low, flow, dt))
-    late = LAG_SPREAD * BANDWIDTH * abs(low.excess_1 - low.excess_2)  # [V] the low-pass' own rate of change
-    if noise < FINE * DEADBAND_SPREAD and way.p_dd > UNSURE and x < CLEAR * noise:
-        searching = way.p_dd == 1.0 and way.deadband > 0.0
-        if searching or expected - x > CLEAR * (noise + late):
-            return way._replace(deadband=min(a.deadband_range, max(way.deadband, excess / share)))
-        return way
-    model, slope = MODEL_VOLTS + MODEL_SHARE * abs(x), 1.0 + way.stretch
-    variance = ((noise * noise + model * model) * slope * slope + late * late) * correlated_samples(dt)
-    error = excess - share * way.deadband - (1.0 + way.stretch) * x
-    return _bounded(_least_squares(way, share, max(0.0, expected), error, variance, a, dt), edge, a)
+    return Equation(
+        share=share,
+        excess=excess,
+        flowing=share * _file_voltage(sign * low.opening_2 / share, sign, edge, law),
+        expected=(excess - share * way.deadband) / (1.0 + way.stretch),
+        noise=span * math.sqrt(opening_variance(low, flow, dt)),
+        # The stages' difference is the low-pass' own rate of change.
+        late=LAG_SPREAD * BANDWIDTH * abs(low.excess_1 - low.excess_2),
+    )
+
+
+def _shows(seen: Equation) -> bool:
+    """Tell whether something flows, or its absence could not be told."""
+    return seen.flowing >= CLEAR * seen.noise or seen.noise >= FINE * DEADBAND_SPREAD
+
+
+def _behind(way: DirectionEstimate, seen: Equation, way_per_volt: float) -> float:
+    """Return how far the actuator is behind its spool [m; rad]; a flow that shows has caught up."""
+    if _shows(seen):
+        return 0.0
+    missed = seen.expected - seen.flowing - LATE * seen.late
+    return max(0.0, way.behind + missed * way_per_volt)
+
+
+def _searched(way: DirectionEstimate, seen: Equation, a: AdaptationParameters) -> DirectionEstimate:
+    """Return the estimate with d where the spool stands, once it is clear that nothing flows.
+
+    A first search, from which nothing is learnt yet, goes on until a flow shows.
+    """
+    goes_on = way.p_dd == 1.0 and way.deadband > 0.0
+    if goes_on or seen.expected - seen.flowing > CLEAR * (seen.noise + seen.late):
+        return way._replace(deadband=min(a.deadband_range, max(way.deadband, seen.excess / seen.share)))
+    return way
 
 
 def _least_squares(
-    way: DirectionEstimate,
-    i: float,
-    x: float,
-    error: float,
-    variance: float,
-    a: AdaptationParameters,
-    dt: float,
+    way: DirectionEstimate, seen: Equation, x: float, a: AdaptationParameters, dt: float
 ) -> DirectionEstimate:
     """Return recursive least squares' next estimate, with forgetting, for the regressor (i, x)."""
+    model, slope = MODEL_VOLTS + MODEL_SHARE * abs(seen.flowing), 1.0 + way.stretch
+    variance = (seen.noise * seen.noise + model * model) * slope * slope + seen.late * seen.late
+    variance *= correlated_samples(dt)
+    error = seen.excess - seen.share * way.deadband - slope * seen.flowing
+    i = seen.share
     f_d, f_k = i * DEADBAND_SPREAD, x * STRETCH_SPREAD
     g_d, g_k = way.p_dd * f_d + way.p_dk * f_k, way.p_dk * f_d + way.p_kk * f_k
     total = variance + f_d * g_d + f_k * g_k
     forget = math.exp(dt / a.forgetting_time)
-    return DirectionEstimate(
+    return way._replace(
         deadband=way.deadband + DEADBAND_SPREAD * g_d / total * error,
         stretch=way.stretch + STRETCH_SPREAD * g_k / total * error,
         p_dd=forget * (way.p_dd - g_d * g_d / total),
@@ -216,7 +270,7 @@ def _bounded(way: DirectionEstimate, edge: Direction, a: AdaptationParameters) -
     stretch = max(1.0 / a.gain_range - 1.0, min(a.gain_range - 1.0, way.stretch))
     moved = way.p_dk / way.p_kk * (stretch - way.stretch) * DEADBAND_SPREAD / STRETCH_SPREAD
     s_d, s_k = 1.0 / math.sqrt(max(1.0, way.p_dd)), 1.0 / math.sqrt(max(1.0, way.p_kk))
-    return DirectionEstimate(
+    return way._replace(
         deadband=max(lowest, min(a.deadband_range, way.deadband + moved)),
         stretch=stretch,
         p_dd=way.p_dd * s_d * s_d,

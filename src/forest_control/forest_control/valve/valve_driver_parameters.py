@@ -282,4 +282,5 @@ def _flow(machine: Machine, axis: int) -> FlowParameters:
         position_noise=_position_noise(machine, axis),
         supply_pressure=machine.pump.supply_pressure,
         dead_time=machine.valve_of(axis).dead_time or 0.0,
+        play=swing.backlash.free_way if axis == 0 and swing.backlash is not None else 0.0,
     )

@@ -44,6 +44,7 @@ class FlowParameters(NamedTuple):
     position_noise: float  # [m; rad] standard deviation of a sample
     supply_pressure: float  # [Pa]
     dead_time: float = 0.0  # of the valve [s]
+    play: float = 0.0  # of the gear between motor and joint [rad]
 
 
 class AxisMeasurement(NamedTuple):
