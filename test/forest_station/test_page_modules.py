@@ -326,7 +326,8 @@ def test_charts_are_drawn_one_after_the_other_and_rest_in_proportion_to_what_the
       const broken = { drawNew: () => { throw new Error("of one chart"); } };
       const idle = { drawNew: () => false };
       const drawn = (i) => ({ drawNew: () => ((now += took), told.push(i), true) });
-      [broken, idle, ...Array.from({ length: count }, (_, i) => drawn(i))].forEach((chart) => charts.add(chart));
+      const all = [broken, idle, ...Array.from({ length: count }, (_, i) => drawn(i))];
+      all.forEach((chart) => charts.add(chart));
       await new Promise((resolve) => setTimeout(resolve)); // all of its steps have been taken by then
       return [told, failed];
     }"""

@@ -230,3 +230,15 @@ def test_noise_of_what_drives_the_model_counts():
     blind, found = np.mean(errors, axis=0)
     assert blind < 0.75 * np.std(scatter)  # long blocks see some of it
     assert found == pytest.approx(np.std(scatter), rel=0.25)
+
+
+@pytest.mark.parametrize("wrong", [0.0, 2.0, -8.0])
+def test_a_record_tells_how_far_off_a_stated_number_would_have_to_be(wrong):
+    def told(values):
+        return {"y": decay(values)["y"] + values.get("told", 1.0) * np.sin(9.0 * X)}
+
+    luck = np.random.default_rng(6).normal(0.0, 1e-3, len(X))
+    y = {"y": told({"size": 2.0, "rate": 3.0, "told": 1.0 + 0.01 * wrong})["y"] + luck}
+    unknowns, stated = [Unknown("size", 1.9), Unknown("rate", 3.1)], [{}, {"told": 1.01}]
+    found = fit(told, y, [Channel("y", 1e-3)], unknowns, stated=stated)
+    assert found.asked == pytest.approx([0.0, wrong], abs=0.4)

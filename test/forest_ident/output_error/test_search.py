@@ -59,16 +59,3 @@ def iterations(stated):
 
 def test_a_search_ends_at_a_tenth_of_the_interval_stated_numbers_counted():
     assert iterations([{"told": 1.1}]) < iterations([])
-
-
-@pytest.mark.parametrize(("noise", "drawn"), [(1e-6, 2), (1e-2, 8)])
-def test_more_of_the_inputs_noise_is_drawn_only_where_it_counts(noise, drawn):
-    luck, counts = np.random.default_rng(3), []
-
-    def again(values):
-        counts.append(1)
-        return {"y": Counted()(values)["y"] * luck.normal(1.0, noise)}
-
-    unknowns = [Unknown("size", 1.99), Unknown("rate", 3.02)]
-    fit(Counted(), {"y": read()}, [Channel("y", 1e-3)], unknowns, redrawn=[again] * 8)
-    assert len(counts) == drawn

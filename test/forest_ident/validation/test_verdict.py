@@ -110,6 +110,20 @@ def test_a_search_that_was_broken_off_is_a_doubt_of_what_it_looked_for():
     assert "broken off after 20 steps" in said.lines[1]
 
 
+def test_a_record_that_asks_for_more_than_a_person_may_have_told_wrong_is_a_doubt_of_what_it_found():
+    result = result_with()
+    result.stated = {"boom.rod_area": 1e-5, "stick.rod_area": 1e-5}
+
+    def said(asked):
+        fit = FIT._replace(asked=np.array([0.5, asked]))
+        result.refined = [r._replace(fit=fit) for r in result.refined]
+        return verdict(result)
+
+    assert list(said(-12.4).doubts) == ["boom.damping"]
+    assert "would move stick.rod_area, which is told, by 12 of its" in said(-12.4).lines[1]
+    assert said(2.5).code == TRUSTED
+
+
 @pytest.mark.parametrize("withheld", [False, True])
 def test_the_sources_of_a_machine_file_say_so(withheld, tmp_path):
     from forest_ident.report import machine_writer

@@ -71,6 +71,16 @@ class Fit(NamedTuple):
     iterations: int
     stated_noise: dict[str, float]  # what wrong stated numbers may leave in each channel, in its unit
     converged: bool = True  # False: the search was broken off
+    asked: Floats = np.zeros(0)
+    """How far what is left of the record would move each stated number, in its standard deviations."""
+
+
+class StatedEffect(NamedTuple):
+    """What stated numbers do to a fit; each of them moved by its standard deviation."""
+
+    slopes: Floats  # moves of theta (theta, stated)
+    noise: dict[str, float]  # what they may leave in each channel, in its unit
+    asked: Floats  # how far the record would move each, in standard deviations
 
 
 class Problem:
@@ -215,7 +225,7 @@ class Problem:
             jacobian: there.
             redrawn: predicted with the noise of the model's inputs drawn once more.
         """
-        information, _ = self.normal(theta, predicted, jacobian)
+        information, gradient = self.normal(theta, predicted, jacobian)
         spread = covariance_of(information + self.known)
         count = max(len(y) for y in self._y.values()) // self._block + 1
         found, white = np.zeros((count, len(theta))), np.zeros((count, len(theta)))
@@ -229,57 +239,46 @@ class Problem:
             max((float(np.mean(one[: self.count])) for one in factors), default=1.0) if self.count else 1.0
         )
         widened = spread + (factor - 1.0) * spread @ information @ spread
-        moves = self.moves_of_inputs(theta, predicted, jacobian, redrawn)[0] if redrawn else []
+        moves = [spread @ (self.normal(theta, after, jacobian)[1] - gradient) for after in redrawn]
         of_inputs = np.mean([np.outer(move, move) for move in moves], axis=0) if moves else 0.0
         return np.asarray(widened + of_inputs, dtype=np.float64)
 
-    def moves_of_inputs(
-        self, theta: Floats, predicted: Columns, jacobian: Jacobian, redrawn: Sequence[Columns]
-    ) -> tuple[list[Floats], Floats]:
-        """Return how each draw of the inputs' noise moves theta, and theta's standard errors without it.
-
-        Args:
-            theta: all parameters [P], as the search has them: a positive one as its logarithm.
-            predicted: there, each column [N] in its channel's unit.
-            jacobian: derivatives of the columns there, a mapping for each parameter.
-            redrawn: columns predicted with the noise drawn once more.
-        """
-        information, gradient = self.normal(theta, predicted, jacobian)
-        spread = covariance_of(information + self.known)
-        moves = [spread @ (self.normal(theta, after, jacobian)[1] - gradient) for after in redrawn]
-        return moves, np.sqrt(np.diag(spread))
-
     def stated_effect(
         self, theta: Floats, predicted: Columns, jacobian: Jacobian, moved: Sequence[Columns], before: Floats
-    ) -> tuple[Floats, dict[str, float]]:
-        """Return how stated numbers move theta (theta, stated), and what they may leave in each channel.
+    ) -> StatedEffect:
+        """Return what stated numbers do to a fit.
 
-        A stated number is not estimated. Where the cost is least, its gradient stays zero while the number
-        moves: so theta moves by H^-1 (prior's information times the prior's move - J'J_t).
+        A stated number t is not estimated. Where the cost is least, its gradient stays zero while t moves: so
+        theta moves by T = H^-1 (K T_0 - J'J_t), and the residuals by F = J_t + J T. Let go all together,
+        stated numbers would move by -(1 + F'F + D'K D)^-1 (F'r + D'K (theta - m)), with D = T - T_0.
 
         Args:
             theta: at the end of the fit.
             predicted: there.
             jacobian: there.
             moved: predicted with each stated number one standard deviation off.
-            before: moves of the prior's mean (theta, stated).
+            before: T_0, moves of the prior's mean m (theta, stated); K is the prior's information.
         """
         rows = list(self._rows(theta, predicted, jacobian))
-        pulls, changes = np.zeros(before.shape), []
-        for channel, residual, j in rows:
-            after = [self.row(channel, self.reading(theta, channel.name, m[channel.name]))[0] for m in moved]
-            table = np.array(after).reshape(len(moved), len(residual)).T
-            changes.append(table - residual[:, np.newaxis])
-            pulls += j.T @ changes[-1]
+        changes = [self._changes(theta, moved, channel, residual) for channel, residual, _ in rows]
         information = sum((j.T @ j for _, _, j in rows), np.zeros((len(theta), len(theta))))
+        pulls = sum((j.T @ c for (_, _, j), c in zip(rows, changes, strict=True)), np.zeros(before.shape))
         slopes = covariance_of(information + self.known) @ (self.known @ before - pulls)
-        noise = {}
+        away = slopes - before
+        curvature = np.eye(len(moved)) + away.T @ self.known @ away
+        pull, noise = away.T @ self.known @ (theta - self.mean), {}
         for (channel, residual, j), change in zip(rows, changes, strict=True):
-            squares = np.sum((change + j @ slopes) ** 2, axis=1)[residual != 0.0]
-            noise[channel.name] = self.sigma[channel.name] * math.sqrt(
-                float(np.mean(squares)) if len(squares) else 0.0
-            )
-        return slopes, noise
+            left = change + j @ slopes
+            curvature, pull = curvature + left.T @ left, pull + left.T @ residual
+            squares = np.sum(left**2, axis=1)[residual != 0.0]
+            rms = math.sqrt(float(np.mean(squares)) if len(squares) else 0.0)
+            noise[channel.name] = self.sigma[channel.name] * rms
+        return StatedEffect(slopes, noise, np.asarray(-np.linalg.solve(curvature, pull)))
+
+    def _changes(self, theta: Floats, moved: Sequence[Columns], c: Channel, residual: Floats) -> Floats:
+        """Return how a channel's residuals change by each stated number (rows, stated)."""
+        after = [self.row(c, self.reading(theta, c.name, m[c.name]))[0] for m in moved]
+        return np.array(after).reshape(len(moved), len(residual)).T - residual[:, np.newaxis]
 
 
 def _censor(

@@ -88,7 +88,7 @@ def _told(
     untaken = _untaken(problem, end)
     covariance = problem.covariance(theta, predicted, jacobian, inputs) + np.outer(untaken, untaken)
     values = problem.values(theta)
-    slopes, stated_noise = problem.stated_effect(theta, predicted, jacobian, stated, before)
+    told = problem.stated_effect(theta, predicted, jacobian, stated, before)
     sds = np.sqrt(np.maximum(np.diag(covariance), 0.0))[: problem.count].tolist()
     pairs = zip(unknowns, sds, strict=True)
     information = problem.normal(theta, predicted, jacobian)[0] + problem.known
@@ -98,12 +98,13 @@ def _told(
         values=values,
         errors={u.key: sd * values[u.key] if u.positive else sd for u, sd in pairs},
         condition=condition_number(information[: problem.count, : problem.count]),
-        posterior=updated(prior, problem.names, theta, covariance, slopes),
+        posterior=updated(prior, problem.names, theta, covariance, told.slopes),
         residuals=problem.residuals(theta, predicted),
         noise=dict(problem.sigma),
         iterations=end.iterations,
-        stated_noise=stated_noise,
+        stated_noise=told.noise,
         converged=end.converged and not refused,
+        asked=told.asked,
     )
 
 

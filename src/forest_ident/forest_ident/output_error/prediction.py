@@ -38,7 +38,7 @@ predicted by 1 % of the sensors' noise, and takes a fifth less time."""
 STEP = 1e-3  # [s] of the integrator
 ROUGH = 2.5e-3  # [s] of the integrator where only a change of the readings is asked for, half as long to make
 REST_ROWS = 200  # at most, that the mean of the start is taken over
-REDRAWN = 8  # times
+REDRAWN = 4  # times
 GRID = 0.5  # [K]
 
 

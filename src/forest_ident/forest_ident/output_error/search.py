@@ -25,8 +25,6 @@ STALE = 0.03  # of a positive parameter, from where derivatives were taken, to t
 SHARE = 0.25  # of a standard error, the same: what hardly acts may move far
 SLOW = 0.3  # of the last step; after a longer step derivatives are taken again, too
 LITTLE = 0.03  # by which a step lowers the cost at least, if the search is to go on: 1 is a standard error
-DRAWS = 2  # of the inputs' noise, after which there are more only if these count
-COUNTS = 0.2  # of a standard error: the least that counts
 USELESS = 0.01  # share of the cost, the same, where the model does not explain the record
 
 Model = Callable[[Mapping[str, float]], Columns]
@@ -88,7 +86,7 @@ class Search:
         """
         at, base, iterations = self._approached()
         taken, jacobian = at.theta, self._derivatives(at, base, self._every)
-        effects = self._effects(at, base, jacobian)
+        effects = self._effects(at, base)
         least = self._least(at, jacobian, effects, before)
         last, fresh, converged = math.inf, True, False
         while not converged and iterations < ITERATIONS:
@@ -102,7 +100,7 @@ class Search:
             if fresh and not converged:
                 taken, jacobian = at.theta, self._derivatives(at, self._base(at), self._every)
             elif converged and self._is_stale(at, effects.taken):
-                effects, converged = self._effects(at, self._base(at), jacobian), False
+                effects, converged = self._effects(at, self._base(at)), False
                 least = self._least(at, jacobian, effects, before)
         return End(at, jacobian, effects, iterations, converged)
 
@@ -130,29 +128,20 @@ class Search:
         self._problem.update_noise(theta, predicted)
         return Place(theta, predicted, DAMPING, 0.0, 0.0, np.zeros(len(theta)))
 
-    def _effects(self, at: Place, base: Columns, jacobian: Jacobian) -> Effects:
+    def _effects(self, at: Place, base: Columns) -> Effects:
         """Return the effects at a place; base: what the rough model predicts there."""
 
         def change(model: Model, number: Mapping[str, float]) -> Columns:
             moved = self._simulate(model, at.theta, number)
             return {name: moved[name] - column for name, column in base.items()}
 
-        inputs = [change(model, {}) for model in self._redrawn[:DRAWS]]
-        if inputs and self._count(at, jacobian, inputs):
-            inputs += [change(model, {}) for model in self._redrawn[DRAWS:]]
+        inputs = [change(model, {}) for model in self._redrawn]
         return Effects(at.theta, [change(self._rough, n) if n else {} for n in self._stated], inputs)
-
-    def _count(self, at: Place, jacobian: Jacobian, inputs: Sequence[Columns]) -> bool:
-        """Tell whether draws of the inputs' noise move parameters so far that more are worth it."""
-        moved = [after(at.predicted, one) for one in inputs]
-        moves, errors = self._problem.moves_of_inputs(at.theta, at.predicted, jacobian, moved)
-        far = (np.abs(moves) > COUNTS * errors) & self._problem.lasting
-        return bool(np.any(far[:, : self._problem.count]))
 
     def _least(self, at: Place, jacobian: Jacobian, effects: Effects, before: Floats) -> Floats:
         """Return the standard deviations of theta that stated numbers and rounding add."""
         moved = [after(at.predicted, one) for one in effects.stated]
-        moves, _ = self._problem.stated_effect(at.theta, at.predicted, jacobian, moved, before)
+        moves = self._problem.stated_effect(at.theta, at.predicted, jacobian, moved, before).slopes
         return np.asarray(np.hypot(np.sqrt(np.sum(moves**2, axis=1)), self._problem.rounded))
 
     def _is_stale(self, at: Place, taken: Floats) -> bool:

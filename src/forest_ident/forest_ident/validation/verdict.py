@@ -11,6 +11,8 @@
 from collections.abc import Sequence
 from typing import NamedTuple
 
+import numpy as np
+
 from forest_ident.refinement.result import Result
 from forest_ident.validation.prediction_error import Signal, over_limit
 
@@ -21,6 +23,7 @@ VALIDATION = "validation"
 MOST = 0.5  # of the estimates
 CORRELATED = 0.2  # at the sensor's lag 1
 LEFT = 1.5  # times a sensor's noise: correlated residuals of more are the model's
+ASKED = 5.0  # standard deviations of a stated number: who told it is not that far off
 
 
 class Verdict(NamedTuple):
@@ -84,6 +87,13 @@ def _doubts(result: Result) -> dict[str, str]:
         for key in r.free
     ]
     for r in result.refined:
+        worst, number = max(zip(np.abs(r.fit.asked).tolist(), result.stated, strict=False), default=(0.0, ""))
+        if worst > ASKED:
+            said = (
+                f"what is left of {r.session.name} would move {number}, which is told, by {worst:.0f} of its "
+                "standard deviations: the search has ended in a wrong place, or the model lacks something"
+            )
+            pairs += [(key, said) for key in r.free]
         odd = [t for t in r.tests if t.times > LEFT and (t.correlation or 0.0) > CORRELATED]
         if odd:
             worst = max(odd, key=lambda test: test.times)
