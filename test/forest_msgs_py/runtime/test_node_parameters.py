@@ -105,6 +105,18 @@ def test_a_member_that_an_enumeration_lacks_is_refused(node_with):
         declare(node_with(mode="fly"), Driving, where=(0.0, 0.0))
 
 
+@pytest.mark.parametrize("value", [None, 5, True, ["exact"], float("nan")])
+def test_a_bundle_of_another_type_is_refused_and_not_opened(node_with, value):
+    node, told = node_with(), []
+    tunables = Tunables(node, {"mode": lambda name: {"gains": [float(len(name))] * 2}})
+    tunables.declare(Driving, {"where": (0.0, 0.0)})
+    tunables.watch(told.append)
+    assert not node.set_parameters([RosParameter("mode", value=value)])[0].successful
+    assert not told
+    assert node.set_parameters([RosParameter("mode", value="fast")])[0].successful
+    assert told[-1]["gains"] == (4.0, 4.0)
+
+
 def test_tunables_follow_what_is_set_and_refuse_all_of_it_if_one_is_wrong(node_with):
     node, told = node_with(), []
     tunables = Tunables(node)

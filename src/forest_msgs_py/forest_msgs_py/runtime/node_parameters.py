@@ -108,7 +108,7 @@ class Tunables:
             result.append(parameter if value is None else RosParameter(parameter.name, value=value))
             if parameter.name in self._bundles:
                 with contextlib.suppress(ValueError):  # which refuses it when it comes to the check
-                    inside = self._bundles[parameter.name](parameter.value).items()
+                    inside = self._inside(parameter.name, parameter.value).items()
                     result += [
                         RosParameter(name, value=_ros_value(one)) for name, one in inside if name not in given
                     ]
@@ -121,8 +121,16 @@ class Tunables:
             ValueError: it is not allowed.
         """
         if name in self._bundles:
-            self._bundles[name](given)
+            self._inside(name, given)
         return self._rows[name].checked(given)
+
+    def _inside(self, name: str, given: Any) -> dict[str, Any]:
+        """What a bundle brings; its type is checked first, for ROS asks here before it does so itself.
+
+        Raises:
+            ValueError: it is not allowed.
+        """
+        return self._bundles[name](self._rows[name].checked(given))
 
 
 def _ros_value(value: Any) -> Any:
