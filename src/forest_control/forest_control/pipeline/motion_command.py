@@ -120,8 +120,8 @@ def stop_command(state: State, s: Vec3, p: Parameters, dt: float) -> tuple[State
     if stop.duration != stop_profile.CLOSED_LOOP:
         rates, velocity = stop_profile.commanded(stop, s, p.links)
         return state, MotionCommand(phase=Phase.BRAKING, pose=s, velocity=velocity, rates=rates)
-    velocity = scaled(stop.reference, stop_profile.velocity_left(stop))
-    lagged = scaled(stop.reference, stop_profile.lagged_velocity_left(stop))
+    velocity = scaled(stop.reference_velocity, stop_profile.velocity_left(stop))
+    lagged = scaled(stop.reference_velocity, stop_profile.lagged_velocity_left(stop))
     return state, MotionCommand(phase=Phase.STOPPING, pose=r, velocity=velocity, lagged=lagged)
 
 
