@@ -7,6 +7,7 @@ What it promises:
   node and the reason. The supervisor publishes that zero itself, since the driver may be the node that died.
 - A node that is not needed (the recorder) ends: a warning says so, and the graph goes on.
 - Nodes are stopped from the operator towards the recorder, so that a bag ends with a machine at rest.
+- A node that hangs is not found before the stop: who misses its messages stops the crane, by its timeout.
 - No orphans: a stopped node has 5 s before it is killed, and nodes end with their parent, even a killed one.
 """
 

@@ -75,6 +75,6 @@ def test_the_levers_move_the_crane_at_their_share_which_is_named(scheme):
             state, said[scale] = step(state, inputs._replace(levers=levers), p, PERIOD)
     assert said[0.4].scaling == (pytest.approx(0.4), Limit.LATE)
     assert said[1.0].scaling.limit == Limit.NONE
-    told = "command" if scheme == Scheme.JOINT else "tip_reference"
+    told = "command" if scheme == Scheme.JOINT else "tip_velocity_reference"
     whole = getattr(said[1.0], told)
     assert getattr(said[0.4], told) == pytest.approx([0.4 * x for x in whole], rel=0.02)

@@ -65,7 +65,7 @@ def test_without_the_deadman_nothing_moves_and_the_reference_rests_on_the_machin
         reference, angles, rates, levers = map(tuple, rng.uniform(-1.0, 1.0, (4, 3)).tolist())
         before = State(reference, bool(rng.integers(2)))
         after, output = controller.step(before, inputs(levers, angles, rates, enabled=False), p, PERIOD)
-        assert (output.command, output.tip_reference, output.scaling.factor) == (ZERO, ZERO, 0.0)
+        assert (output.command, output.tip_velocity_reference, output.scaling.factor) == (ZERO, ZERO, 0.0)
         assert after == State(angles, False)
 
 
@@ -109,7 +109,7 @@ def test_the_reference_integrates_the_wish():
 def test_at_a_singular_pose_the_machine_stands_and_the_limit_is_named(scheme, pose):
     _, output = controller.step(REST, inputs((0.3, 0.5, 0.7), pose), parameters(scheme), PERIOD)
     assert output.command == ZERO
-    assert output.tip_reference == ZERO
+    assert output.tip_velocity_reference == ZERO
     assert output.scaling == (0.0, Limit.SINGULARITY)
 
 
@@ -143,18 +143,18 @@ def test_joint_levers_ask_for_joint_rates_through_the_lever_arms():
         assert rates_of(output.command, angles) == pytest.approx(
             np.multiply(levers, (0.4, 0.1, 0.08)), abs=1e-12
         )
-        assert output.tip_reference == ZERO  # in joint mode nobody asks for a tip motion
+        assert output.tip_velocity_reference == ZERO  # in joint mode nobody asks for a tip motion
 
 
 @every_tip_scheme
-def test_the_tip_reference_is_what_the_levers_ask_times_the_scaling_factor(scheme):
+def test_the_velocity_reference_is_what_the_levers_ask_times_the_scaling_factor(scheme):
     p, rng, slowed = parameters(scheme), np.random.default_rng(9), 0
     for _ in range(500):
         levers = tuple(rng.uniform(-1.0, 1.0, 3).tolist())
         angles = (rng.uniform(-2.0, 2.0), rng.uniform(-0.5, 1.1), rng.uniform(-2.0, -1.0))
         _, output = controller.step(REST, inputs(levers, angles), p, PERIOD)
         asked = np.multiply(rate_mode_velocity(Levers(*levers), MIDDLE, p.profile), output.scaling.factor)
-        assert output.tip_reference == pytest.approx(asked, abs=1e-12)
+        assert output.tip_velocity_reference == pytest.approx(asked, abs=1e-12)
         slowed += output.scaling.factor < 1.0
     assert 0 < slowed < 500
 
@@ -166,7 +166,7 @@ def test_the_tip_of_an_ideal_machine_goes_where_the_lever_points(scheme, directi
     p, wished = parameters(scheme), np.zeros(3)
     steps = list(drive(p, lambda t: levers if t < 1.5 else Levers(0, 0, 0), 4.0, bandwidth=4.0 * math.pi))
     for _, output, _ in steps:
-        wished += PERIOD * np.array(output.tip_reference)
+        wished += PERIOD * np.array(output.tip_velocity_reference)
     moved = np.subtract(tip_position(steps[-1][2], p.links), tip_position(MIDDLE, p.links))
     assert wished[direction] == pytest.approx(0.3, abs=1e-9)
     assert moved == pytest.approx(wished, abs=0.005 if closes_on_position(scheme) else 0.03)
@@ -245,7 +245,7 @@ def test_of_random_wishes_no_rate_and_no_flow_is_over_its_limit_and_the_tip_keep
         moved = tip_velocity(q, a, p.links)
         assert math.dist(np.cross(moved, wish), ZERO) <= 1e-9 * speed**2
         assert np.dot(moved, wish) >= 0.0
-        assert moved == pytest.approx(output.tip_reference, abs=1e-9)
+        assert moved == pytest.approx(output.tip_velocity_reference, abs=1e-9)
         assert all(
             abs(rate) <= most * (1.0 + 1e-12) for rate, most in zip(a, p.velocity_limits.rates, strict=True)
         )
@@ -267,4 +267,4 @@ def test_at_a_wall_the_tip_slides_and_the_cause_is_told(scheme):
     assert tip_velocity(MIDDLE, a, LINKS)[2] >= -1e-3
     assert output.scaling.limit == Limit.WALL
     if scheme != Scheme.JOINT:
-        assert output.tip_reference[1] == pytest.approx(0.15, abs=1e-3)
+        assert output.tip_velocity_reference[1] == pytest.approx(0.15, abs=1e-3)

@@ -35,7 +35,7 @@ def test_the_controller_commands_finite_voltages_within_the_rating(scheme):
         inputs = Inputs(angles, rates, levers, bool(rng.random() < 0.9))
         state, output = controller.step(state, inputs, p, float(rng.uniform(0.0025, 0.05)))
         assert all(abs(volts) <= RATED for volts in output.command)  # false for NaN as well
-        assert all(map(math.isfinite, output.tip_reference))
+        assert all(map(math.isfinite, output.tip_velocity_reference))
         assert 0.0 <= output.scaling.factor <= 1.0
 
 

@@ -46,7 +46,7 @@ def test_the_reference_is_the_integral_of_the_governed_wish_without_drift():
         levers = Levers(math.sin(0.01 * k), 0.3 * math.cos(0.02 * k), 0.5 * math.sin(0.015 * k))
         # A machine that follows exactly.
         state, output = step(state, Inputs(state.reference if k else START, ZERO, levers, True), P, PERIOD)
-        place = [x + PERIOD * v for x, v in zip(place, output.tip_reference, strict=True)]
+        place = [x + PERIOD * v for x, v in zip(place, output.tip_velocity_reference, strict=True)]
     assert tip_position(state.reference, LINKS) == pytest.approx(place, abs=1e-4)
 
 

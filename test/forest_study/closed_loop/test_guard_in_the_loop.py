@@ -132,7 +132,7 @@ def test_the_kernels_guard_decides_as_the_nodes_does(seed):
         node.stops_without_state(now)
         _, telemetry = node.advance(machine, valves, now)
         assert kernel.command == node.command
-        assert velocity == (telemetry.output.tip_reference if telemetry else ZERO)
+        assert velocity == (telemetry.output.tip_velocity_reference if telemetry else ZERO)
         assert kernel.permission == node.guard.permission
         stopped, moved = stopped + (telemetry is None), moved + any(node.command)
     assert stopped > 100

@@ -47,7 +47,8 @@ def clutched(state: State, s: Vec3, p: Parameters) -> State:
 def taken_over(state: State, inputs: Inputs, p: Parameters) -> State:
     """Return the state that the chosen scheme starts from, another one having been in charge."""
     s, v, u, g = inputs.angles, inputs.rates, state.rates, p.gains
-    still = state.memory.velocity == ZERO and _is_rest(state.memory)
+    a = coordinated_servo.reference_rates(state.memory)
+    still = state.memory.velocity == ZERO and a == ZERO
     r = s
     if closes_on_position(p.scheme) and (still or p.scheme != Scheme.COORDINATED):
         r = (
@@ -55,7 +56,6 @@ def taken_over(state: State, inputs: Inputs, p: Parameters) -> State:
             reference_for_rate(p.scheme, u[1], s[1], v[1], g[1]),
             reference_for_rate(p.scheme, u[2], s[2], v[2], g[2]),
         )
-    a = state.memory.swing.a, state.memory.boom.a, state.memory.stick.a
     velocity = tip_velocity(s, a, p.links) if state.scheme == Scheme.JOINT else state.memory.velocity
     shut = max(abs(u[0]), abs(u[1]), abs(u[2])) <= coordinated_servo.HOLD_RATE
     samples = 0 if still and shut else coordinated_servo.MOST_SAMPLES
@@ -64,11 +64,6 @@ def taken_over(state: State, inputs: Inputs, p: Parameters) -> State:
         # The rates of the other pose would be a jerk to the feedforward.
         a = joint_rates(r, velocity, p.links)
     return state._replace(reference=r, memory=coordinated_servo.in_motion(velocity, a, samples))
-
-
-def _is_rest(memory: coordinated_servo.Memory) -> bool:
-    """Tell whether no joint is wished to move."""
-    return memory.swing.a == 0.0 and memory.boom.a == 0.0 and memory.stick.a == 0.0
 
 
 def relearnt(state: State, correction: AngleCorrection) -> State:

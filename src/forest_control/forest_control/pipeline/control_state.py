@@ -106,7 +106,7 @@ class Output(NamedTuple):
     """What leaves in a step."""
 
     command: Vec3  # [V] of ideal valves, as applied
-    tip_reference: Vec3  # velocity of the tip that is aimed at [m/s]
+    tip_velocity_reference: Vec3  # that is aimed at [m/s]
     scaling: VelocityScaling
     loading: Loading = Loading()
 

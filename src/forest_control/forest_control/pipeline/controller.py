@@ -95,8 +95,7 @@ def _tracking_limits(state: State, inputs: Inputs, p: Parameters, dt: float) -> 
     """Return which joints cannot follow the reference; none of a scheme that does not hold one."""
     if state.scheme != Scheme.COORDINATED or p.scheme != Scheme.COORDINATED:
         return NO_TRACKING_LIMIT
-    m = state.memory
-    a, e = (m.swing.a, m.boom.a, m.stick.a), minus(state.reference, inputs.angles)
+    a, e = coordinated_servo.reference_rates(state.memory), minus(state.reference, inputs.angles)
     volts, axes = inputs.voltages, p.speed_limits.axes
     return updated_limits(state.tracking_limits, volts, p.rated_voltages, axes, a, e, inputs.rates, dt)
 

@@ -174,7 +174,7 @@ class ControllerOutputs:
         self._pose.publish(stamp, (*telemetry.tip, *telemetry.tip_orientation))
         self._twist.publish(stamp, telemetry.tip_velocity)
         if controller.parameters.scheme != Scheme.JOINT:
-            self._reference.publish(stamp, output.tip_reference)
+            self._reference.publish(stamp, output.tip_velocity_reference)
         scaling = output.scaling
         codes = scaling.factor, scaling.limit, watch.armed, watch.joystick, override.emergency_stop
         self._status.publish(stamp, codes)

@@ -76,13 +76,13 @@ def _thesis_servo(
 ) -> tuple[Memory, Vec3]:
     """Return the memory, and the joint rates [rad/s] that a scheme of the thesis commands at a pose r."""
     still = closes_on_position(p.scheme) and coordinated_servo.rests(memory, reference.rates)
-    swing, u_1 = _joint_servo(memory.swing, 0, still, reference.rates[0], r, inputs, p, dt)
-    boom, u_2 = _joint_servo(memory.boom, 1, still, reference.rates[1], r, inputs, p, dt)
-    stick, u_3 = _joint_servo(memory.stick, 2, still, reference.rates[2], r, inputs, p, dt)
+    swing, u_1 = _thesis_joint_servo(memory.swing, 0, still, reference.rates[0], r, inputs, p, dt)
+    boom, u_2 = _thesis_joint_servo(memory.boom, 1, still, reference.rates[1], r, inputs, p, dt)
+    stick, u_3 = _thesis_joint_servo(memory.stick, 2, still, reference.rates[2], r, inputs, p, dt)
     return Memory(reference.velocity, swing, boom, stick), (u_1, u_2, u_3)
 
 
-def _joint_servo(
+def _thesis_joint_servo(
     memory: Joint, i: int, still: bool, a: float, r: Vec3, inputs: Inputs, p: Parameters, dt: float
 ) -> tuple[Joint, float]:
     """Return one joint's memory and rate [rad/s]; where it rests at its reference, its valve stays shut."""

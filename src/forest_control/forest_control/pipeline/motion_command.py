@@ -28,7 +28,7 @@ from forest_control.pipeline.control_state import (
 from forest_control.pipeline.stop_profile import NO_STOP, Stop
 from forest_control.servo import anti_sway
 from forest_control.servo.anti_sway import Sway
-from forest_control.servo.coordinated_servo import MOST_SAMPLES, ramped
+from forest_control.servo.coordinated_servo import MOST_SAMPLES, ramped, reference_rates
 from forest_control.servo.schemes import Scheme, closes_on_position, jacobian_pose
 from forest_description.geometry.kinematics import tip_position
 from forest_description.geometry.vectors import minus, scaled
@@ -106,8 +106,7 @@ def joint_rate_command(state: State, inputs: Inputs, p: Parameters, dt: float) -
     if p.profile.mode == Mode.RATE:
         return rate_mode_rates(levers, most)
     asked = position_mode_rates(levers, state.clutch, inputs.angles, p.profile, most)
-    before = state.memory.swing.a, state.memory.boom.a, state.memory.stick.a
-    return ramped(before, asked, JOINT_ACCELERATION, dt)
+    return ramped(reference_rates(state.memory), asked, JOINT_ACCELERATION, dt)
 
 
 def stop_command(state: State, s: Vec3, p: Parameters, dt: float) -> tuple[State, MotionCommand]:
@@ -120,8 +119,8 @@ def stop_command(state: State, s: Vec3, p: Parameters, dt: float) -> tuple[State
     if stop.duration != stop_profile.CLOSED_LOOP:
         rates, velocity = stop_profile.commanded(stop, s, p.links)
         return state, MotionCommand(phase=Phase.BRAKING, pose=s, velocity=velocity, rates=rates)
-    velocity = scaled(stop.reference, stop_profile.velocity_left(stop))
-    lagged = scaled(stop.reference, stop_profile.lagged_velocity_left(stop))
+    velocity = scaled(stop.reference_velocity, stop_profile.velocity_left(stop))
+    lagged = scaled(stop.reference_velocity, stop_profile.lagged_velocity_left(stop))
     return state, MotionCommand(phase=Phase.STOPPING, pose=r, velocity=velocity, lagged=lagged)
 
 

@@ -50,7 +50,7 @@ def _moving(
     else:
         velocity, left = unloaded(tip, walled, load, inputs.taught.speed > 0.0)
         rates = rates_near_singularity(command.pose, velocity, p.links)
-    reference = scaled_reference(command.pose, rates, velocity, valves, inputs, p)
+    reference = scaled_reference(command.pose, rates, velocity, inputs.angles, valves, p)
     factor, limit = reference.scaling.factor, reference.scaling.limit
     if left < factor:
         return reference._replace(scaling=VelocityScaling(left * factor, Limit.LOAD))
@@ -65,14 +65,15 @@ def _stopping(command: MotionCommand, valves: Valves, inputs: Inputs, p: Paramet
     """Return the reference of a stop: rates at once, the tip's velocity as late as the machine answers."""
     pose, tip = command.pose, tip_position(command.pose, p.links)
     velocity = workspace.slide(tip, command.velocity, p.workspace)
-    reference = scaled_reference(pose, joint_rates(pose, velocity, p.links), velocity, valves, inputs, p)
+    rates = joint_rates(pose, velocity, p.links)
+    reference = scaled_reference(pose, rates, velocity, inputs.angles, valves, p)
     factor = reference.scaling.factor
     lagged = scaled(workspace.slide(tip, command.lagged, p.workspace), factor)
     return Reference(reference.rates, lagged, VelocityScaling(factor, Limit.RELEASED))
 
 
 def scaled_reference(
-    pose: Vec3, rates: Vec3, velocity: Vec3, valves: Valves, inputs: Inputs, p: Parameters
+    pose: Vec3, rates: Vec3, velocity: Vec3, angles: Vec3, valves: Valves, p: Parameters
 ) -> Reference:
     """Return rates and velocity, scaled by what the machine can and may do.
 
@@ -80,11 +81,10 @@ def scaled_reference(
         pose: where J^-1 is taken [rad].
         rates: asked of the joints [rad/s].
         velocity: asked of the tip [m/s].
+        angles: measured [rad]; the limits count there for a scheme that does not hold its reference.
         valves: what is known of them.
-        inputs: at their angles the limits count for a scheme that does not hold its reference.
         p: parameters.
     """
-    angles = inputs.angles
     place = pose if closes_on_position(p.scheme) else angles
     scaling = velocity_scaling(place, rates, velocity_limits_at(place, rates, p, valves))
     if p.scheme == Scheme.JOINT:

@@ -38,7 +38,7 @@ class Stop(NamedTuple):
     duration: float  # T [s]
     velocity: Vec3  # x' [m/s]
     rates: Vec3  # u [rad/s] when it began, for where J has no inverse
-    reference: Vec3  # velocity of the tip when it began [m/s], for a scheme that holds its reference
+    reference_velocity: Vec3  # of the tip when it began [m/s], for a scheme that holds its reference
 
 
 NO_STOP = Stop(
@@ -46,22 +46,26 @@ NO_STOP = Stop(
     duration=OPEN_LOOP,
     velocity=(0.0, 0.0, 0.0),
     rates=(0.0, 0.0, 0.0),
-    reference=(0.0, 0.0, 0.0),
+    reference_velocity=(0.0, 0.0, 0.0),
 )
 
 
-def begin(duration: float, u: Vec3, reference: Vec3, s: Vec3, links: Links) -> Stop:
-    """Return the stop within a duration [s] from commanded joint rates [rad/s] and the reference [m/s].
+def begin(duration: float, u: Vec3, reference_velocity: Vec3, s: Vec3, links: Links) -> Stop:
+    """Return the stop within a duration [s] from commanded joint rates [rad/s] and a reference velocity.
 
     Args:
         duration: `CLOSED_LOOP` or `OPEN_LOOP`.
         u: commanded last.
-        reference: velocity of the tip that was aimed at last [m/s].
+        reference_velocity: of the tip, aimed at last [m/s].
         s: measured angles [rad].
         links: of the crane.
     """
     return Stop(
-        elapsed=0.0, duration=duration, velocity=tip_velocity(s, u, links), rates=u, reference=reference
+        elapsed=0.0,
+        duration=duration,
+        velocity=tip_velocity(s, u, links),
+        rates=u,
+        reference_velocity=reference_velocity,
     )
 
 

@@ -252,7 +252,7 @@ def decide_by_operator(
     after = before._replace(joystick=joystick, interpolation=interpolation)
     scale = speed_scale(before.link)
     return after, Decision(
-        Verdict.MOVE, Cause.NONE, True, levers=interpolation.levers, speed_scale=scale, dt=dt
+        Verdict.MOVE, Cause.NONE, believed=True, levers=interpolation.levers, speed_scale=scale, dt=dt
     )
 
 

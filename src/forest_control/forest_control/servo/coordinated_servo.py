@@ -90,6 +90,11 @@ def in_motion(velocity: Vec3, a: Vec3, samples: int) -> Memory:
     return Memory(velocity=velocity, swing=swing, boom=boom, stick=stick, samples=samples)
 
 
+def reference_rates(memory: Memory) -> Vec3:
+    """Return the reference rates a [rad/s] of the last step."""
+    return memory.swing.a, memory.boom.a, memory.stick.a
+
+
 def with_velocity(memory: Memory, velocity: Vec3) -> Memory:
     """Return the memory with the tip's reference velocity [m/s], which ends the averaging of the pose."""
     return memory._replace(velocity=velocity, samples=MOST_SAMPLES)

@@ -5,31 +5,33 @@ stopped.
 """
 
 import argparse
-import math
 import sys
 from collections.abc import Sequence
 from pathlib import Path
 
 from forest_description.config.parameter import MachineError
 from forest_description.config.source_tree import shipped_machines
-from forest_description.derived.temperature import at_temperature
-from forest_description.machine import Machine, load_machine
-from forest_description.types import AXES, Vec3
+from forest_description.types import AXES
 from forest_msgs_py.runtime import command_line
 from forest_msgs_py.runtime.command_line import Command, Subcommands, number, subcommand, whole
+from forest_sim.cli.options import (
+    add_loads_option,
+    add_pose_options,
+    add_run_options,
+    loads_of,
+    machine_of,
+    pose_of,
+    run_of,
+)
 from forest_sim.simulation import voltage_profiles
-from forest_sim.simulation.load_schedule import Loads, parse_loads
-from forest_sim.simulation.open_loop import Run, RunError, require_within_limits, start_angles
-from forest_sim.simulation.voltage_profiles import InputError, Voltages
+from forest_sim.simulation.open_loop import RunError
+from forest_sim.simulation.voltage_profiles import InputError
 
 PROGRAM = "forest-sim"
-ZERO_CELSIUS = 273.15  # [K]
-LONGEST = 7.0 * 86400.0  # [s]
 EPILOGUE = (
     f"Machines: the name of a shipped one ({', '.join(shipped_machines())}) or a YAML file. "
     "Lengths in m, angles in deg."
 )
-START = "5.5 0 1, or the middle of its range for a crane that does not reach there"
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -45,14 +47,14 @@ def _parser() -> argparse.ArgumentParser:
     commands = parser.add_subparsers(title="commands", required=True, metavar="COMMAND")
     _add_simulate(commands)
     pumps = _command(commands, "pumps", _pumps, "the same motion on the four sorts of pump: power and energy")
-    _add_run(pumps)
+    add_run_options(pumps)
     compared = _command(commands, "compare", _compare, "the same input on several machines: one axis, drawn")
     compared.add_argument("machines", nargs="+", metavar="NAME|FILE", help="two or more machines")
     compared.add_argument("--axis", choices=AXES, default="boom", help="that is drawn; default: boom")
-    _add_run(compared)
-    _add_loads(compared)
+    add_run_options(compared)
+    add_loads_option(compared)
     rest = _command(commands, "equilibrium", _equilibrium, "pressures, forces and torques at rest at a pose")
-    _add_pose(rest)
+    add_pose_options(rest)
     rest.add_argument("--json", action="store_true", help="print JSON in SI units")
     _add_modes(commands)
     _add_export(commands)
@@ -80,7 +82,7 @@ def _command(
 
 def _add_simulate(commands: Subcommands) -> None:
     simulate = _command(commands, "simulate", _simulate, "run a machine over an input: MCAP, CSV, pictures")
-    _add_run(simulate)
+    add_run_options(simulate)
     simulate.add_argument(
         "--sensor-noise", action="store_true", help="errors, noise, lag and rate of sensors"
     )
@@ -98,7 +100,7 @@ def _add_simulate(commands: Subcommands) -> None:
         metavar=("X", "Y", "Z"),
         help="on the tip all the time, in the base frame [N]",
     )
-    _add_loads(simulate)
+    add_loads_option(simulate)
     simulate.add_argument(
         "--sensor-faults",
         default="",
@@ -111,7 +113,7 @@ def _add_modes(commands: Subcommands) -> None:
     modes = _command(
         commands, "modes", _modes, "natural frequencies and damping at a pose or over the workspace"
     )
-    _add_pose(modes)
+    add_pose_options(modes)
     modes.add_argument(
         "--voltages",
         nargs=3,
@@ -140,80 +142,13 @@ def _add_export(commands: Subcommands) -> None:
     )
 
 
-def _add_run(parser: argparse.ArgumentParser) -> None:
-    volts, hertz = number(0.0, voltage_profiles.GREATEST, "V"), command_line.number(1e-3, 1000.0, "Hz")
-    parser.add_argument(
-        "--voltages",
-        default="step",
-        metavar="step|chirp|thesis|FILE.csv",
-        help="what drives the valves (default: %(default)s); a CSV has the columns time,swing,boom,stick "
-        "in s and V, and each row holds until the next",
-    )
-    parser.add_argument(
-        "--duration",
-        type=number(0.01, LONGEST, "s"),
-        metavar="S",
-        help="default: as long as the input, 60 for chirp",
-    )
-    parser.add_argument("--out", type=Path, required=True, metavar="DIR", help="directory to be made")
-    parser.add_argument(
-        "--start-tip",
-        nargs=3,
-        type=number(-100.0, 100.0, "m"),
-        metavar=("X", "Y", "Z"),
-        help=f"where the tip starts, at rest; default: {START}",
-    )
-    parser.add_argument(
-        "--rate",
-        type=number(0.1, 10_000.0, "Hz"),
-        default=200.0,
-        help="of the rows [Hz]; default: 200",
-    )
-    parser.add_argument(
-        "--step",
-        type=number(1e-6, 0.1, "s"),
-        default=1e-3,
-        help="of the integrator [s]; default: 0.001",
-    )
-    parser.add_argument("--amplitude", type=volts, help="of step (4), chirp (4) and thesis (5) [V]")
-    parser.add_argument("--chirp-from", type=hertz, default=0.1, metavar="HZ", help="default: 0.1")
-    parser.add_argument("--chirp-to", type=hertz, default=5.0, metavar="HZ", help="default: 5")
-
-
-def _add_loads(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument(
-        "--loads",
-        default="",
-        metavar="TEXT",
-        help="logs in the head, such as '500 kg from 2 s; 800 kg, 5 m from 4 s; 0 kg from 6 s'",
-    )
-
-
-def _add_pose(parser: argparse.ArgumentParser) -> None:
-    pose = parser.add_mutually_exclusive_group()
-    pose.add_argument(
-        "--tip",
-        nargs=3,
-        type=number(-100.0, 100.0, "m"),
-        metavar=("X", "Y", "Z"),
-        help=f"where the tip is; default: {START}",
-    )
-    pose.add_argument(
-        "--angles",
-        nargs=3,
-        type=number(-720.0, 720.0, "deg"),
-        metavar=("SWING", "BOOM", "STICK"),
-        help="the joints' angles [deg]",
-    )
-
-
 def _simulate(options: argparse.Namespace) -> int:
     from forest_sim.cli.commands import simulate
     from forest_sim.sensors.sensor_faults import parse_faults
     from forest_sim.simulation.disturbance import Disturbance, parse_stuck_spools
     from forest_sim.simulation.sensor_log import Sensing
 
-    machine, voltages, angles, run = _run(options)
+    machine, voltages, angles, run = run_of(options)
     try:
         faults = parse_faults(options.sensor_faults)
     except ValueError as error:
@@ -224,13 +159,13 @@ def _simulate(options: argparse.Namespace) -> int:
         options.parser.error(f"argument --stuck-spools: {error}")
     disturbance = Disturbance(stuck, (options.tip_force[0], options.tip_force[1], options.tip_force[2]))
     sensing = Sensing(options.sensor_noise, options.seed, faults)
-    return simulate(machine, voltages, angles, run, options.out, sensing, disturbance, _loads(options))
+    return simulate(machine, voltages, angles, run, options.out, sensing, disturbance, loads_of(options))
 
 
 def _pumps(options: argparse.Namespace) -> int:
     from forest_sim.cli.commands import compare_pumps
 
-    return compare_pumps(*_run(options), options.out)
+    return compare_pumps(*run_of(options), options.out)
 
 
 def _compare(options: argparse.Namespace) -> int:
@@ -238,16 +173,16 @@ def _compare(options: argparse.Namespace) -> int:
 
     if len(options.machines) < 2:
         options.parser.error("argument NAME|FILE: one machine compares with nothing; allowed: two or more")
-    machines = [_machine(options, name) for name in options.machines]
-    given = _run(options, machines[0])
-    return compare_machines(machines, AXES.index(options.axis), *given[1:], options.out, _loads(options))
+    machines = [machine_of(options, name) for name in options.machines]
+    given = run_of(options, machines[0])
+    return compare_machines(machines, AXES.index(options.axis), *given[1:], options.out, loads_of(options))
 
 
 def _equilibrium(options: argparse.Namespace) -> int:
     from forest_sim.cli.commands import show_equilibrium
 
-    machine = _machine(options)
-    return show_equilibrium(machine, _pose(options, machine), options.json)
+    machine = machine_of(options)
+    return show_equilibrium(machine, pose_of(options, machine), options.json)
 
 
 def _modes(options: argparse.Namespace) -> int:
@@ -257,10 +192,10 @@ def _modes(options: argparse.Namespace) -> int:
         options.parser.error("--map needs --out DIR, and goes with neither --json nor --voltages")
     if options.out is not None and not options.map:
         options.parser.error("--out goes with --map only")
-    machine = _machine(options)
+    machine = machine_of(options)
     if options.map:
         return map_modes(machine, options.spacing, options.out)
-    return show_modes(machine, _pose(options, machine), tuple(options.voltages), options.json)
+    return show_modes(machine, pose_of(options, machine), tuple(options.voltages), options.json)
 
 
 def _export(options: argparse.Namespace) -> int:
@@ -272,68 +207,7 @@ def _export(options: argparse.Namespace) -> int:
 def _check(options: argparse.Namespace) -> int:
     from forest_sim.cli.commands import show_check
 
-    return show_check(_machine(options))
-
-
-def _machine(options: argparse.Namespace, name: str = "") -> Machine:
-    """Return a machine, by default `--machine`, its oil at the temperature asked for."""
-    machine = load_machine(name or options.machine)
-    if options.temperature is None:
-        return machine
-    if machine.oil is None:
-        raise MachineError(f"{machine.name} has no oil section, so --temperature means nothing to it")
-    return at_temperature(machine, options.temperature + ZERO_CELSIUS)
-
-
-def _run(options: argparse.Namespace, machine: Machine | None = None) -> tuple[Machine, Voltages, Vec3, Run]:
-    machine = machine or _machine(options)
-    voltages = _voltages(options)
-    duration = options.duration or voltages.duration
-    if duration <= 0.0:
-        raise InputError(f"{options.voltages}: its only row is at time 0; allowed: also a --duration")
-    angles = start_angles(machine, _tip(options.start_tip))
-    return machine, voltages, angles, Run(duration, options.rate, options.step)
-
-
-def _voltages(options: argparse.Namespace) -> Voltages:
-    name, amplitude = options.voltages, options.amplitude
-    if name == "step":
-        return voltage_profiles.steps(4.0 if amplitude is None else amplitude)
-    if name == "chirp":
-        length = options.duration or 60.0
-        return voltage_profiles.chirp(
-            4.0 if amplitude is None else amplitude, options.chirp_from, options.chirp_to, length
-        )
-    if name == "thesis":
-        return voltage_profiles.thesis(5.0 if amplitude is None else amplitude)
-    path = Path(name)
-    if not path.is_file():
-        options.parser.error(
-            f"argument --voltages: no file {name!r}; "
-            f"allowed: {', '.join(voltage_profiles.NAMES)} or a CSV file"
-        )
-    return voltage_profiles.read_voltages(path)
-
-
-def _loads(options: argparse.Namespace) -> Loads:
-    """Return the schedule of the logs; a bad one ends the program with a sentence."""
-    loads: Loads = ()
-    try:
-        loads = parse_loads(options.loads)
-    except ValueError as error:
-        options.parser.error(f"argument --loads: {error}")
-    return loads
-
-
-def _tip(given: Sequence[float] | None) -> Vec3 | None:
-    return None if given is None else (given[0], given[1], given[2])
-
-
-def _pose(options: argparse.Namespace, machine: Machine) -> Vec3:
-    if options.angles is not None:
-        a, b, c = (math.radians(angle) for angle in options.angles)
-        return require_within_limits(machine, (a, b, c))
-    return start_angles(machine, _tip(options.tip))
+    return show_check(machine_of(options))
 
 
 if __name__ == "__main__":

@@ -121,9 +121,11 @@ def edge_flows(flow: float, p: float, port: Port, supply: float) -> tuple[float,
         return flow + to_tank, to_tank
     if port.to_supply == math.inf:
         return from_supply, from_supply - flow
-    return from_supply + edge_flow(supply - p, port.to_supply), to_tank + edge_flow(
-        p - port.tank, port.to_tank
+    through_supply, through_tank = (
+        edge_flow(supply - p, port.to_supply),
+        edge_flow(p - port.tank, port.to_tank),
     )
+    return from_supply + through_supply, to_tank + through_tank
 
 
 def edge_flow(drop: float, resistance: float) -> float:

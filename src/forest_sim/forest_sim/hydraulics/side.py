@@ -24,7 +24,7 @@ class Side(NamedTuple):
     port: Port
     line: Line
     oil: OilVolume
-    held: Restriction = UNRESTRICTED  # its load-holding valve
+    holding: Restriction = UNRESTRICTED  # its load-holding valve
 
 
 class SideRates(NamedTuple):
@@ -55,8 +55,8 @@ def side_rates(s: Side, supply: float, guard: PortGuard) -> SideRates:
         if s.oil.area != 0.0:  # a piston takes oil at the density that it has
             outflow = density(s.pressure, s.oil.oil).ratio * s.taken
     flow = 0.0
-    if not is_held(s.flow, s.held):
-        beyond = s.pressure + hose_drop(s.flow, s.oil) + holding_drop(s.flow, s.held)
+    if not is_held(s.flow, s.holding):
+        beyond = s.pressure + hose_drop(s.flow, s.oil) + holding_drop(s.flow, s.holding)
         flow = flow_rate(beyond, s.flow, s.port, supply, line)
     return SideRates(pressure_rate(s.pressure, s.flow, outflow, line, guard, s.port.tank), flow)
 

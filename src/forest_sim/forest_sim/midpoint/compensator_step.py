@@ -31,7 +31,7 @@ class Metering(NamedTuple):
     late: float  # of its second half
 
 
-class Balance(NamedTuple):
+class GreatestLoads(NamedTuple):
     """The greatest loads between which a step of the compensators lies."""
 
     steady: float  # of the axes that are open to the pump all the time [Pa]
@@ -60,7 +60,7 @@ def openings_after(
         0.5 * abs(lifts[1].felt + boom.early),
         0.5 * abs(lifts[2].felt + stick.early),
     )
-    loads = _greatest(
+    loads = _greatest_loads(
         (swing.sensed, boom.sensed, stick.sensed), felt, p.supply.set_pressure - p.supply.margin
     )
     supply = plant.supply.pressure
@@ -71,7 +71,7 @@ def openings_after(
     )
 
 
-def _greatest(loads: Vec3, felt: Vec3, relieved: float) -> Balance:
+def _greatest_loads(loads: Vec3, felt: Vec3, relieved: float) -> GreatestLoads:
     """Return the greatest loads over a step, at most what the line's relief valve leaves [Pa]."""
     steady = greatest = share = 0.0
     for i in range(3):
@@ -81,10 +81,11 @@ def _greatest(loads: Vec3, felt: Vec3, relieved: float) -> Balance:
         if 0.0 < felt[i] < 1.0 and loads[i] > steady:
             greatest = max(greatest, loads[i])
             share = max(share, felt[i])
-    return Balance(min(steady, relieved), min(greatest, relieved), share)
+    return GreatestLoads(min(steady, relieved), min(greatest, relieved), share)
 
 
 def _metering(s: AxisState, felt: float, start: float, end: float, valve: SpoolValve, axis: Axis) -> Metering:
+    """Return what a spool on its way from `start` to `end` [V] does to compensators; `felt` as in `Lifts`."""
     if valve.lag.frequency == math.inf:  # the spool is there at once
         start = end
     one, two = open_halves(start, end, valve.law.forward), open_halves(-start, -end, valve.law.backward)
@@ -103,8 +104,9 @@ def _metering(s: AxisState, felt: float, start: float, end: float, valve: SpoolV
 
 
 def _opened(
-    lifts: Lifts, m: Metering, felt: float, loads: Balance, supply: float, h: float, valve: SpoolValve
+    lifts: Lifts, m: Metering, felt: float, loads: GreatestLoads, supply: float, h: float, valve: SpoolValve
 ) -> Lifts:
+    """Return the lifts with the compensator moved on by h [s]; `felt`: share of the time, 0..1."""
     c, drop = valve.compensator, supply - m.load
     if c.sort == NONE:
         return Lifts(lifts.one, lifts.two, lifts.compensator, m.late)

@@ -21,15 +21,15 @@ def with_contents(state: PlantState, lifts: AllLifts, p: PlantParameters) -> Pla
     return _contents(state, lifts, p) if _conserves_oil(p) else state
 
 
-def settled(state: PlantState, held: PlantState, p: PlantParameters) -> PlantState:
+def settled(state: PlantState, contents: PlantState, p: PlantParameters) -> PlantState:
     """Return a state with the pressures at which each volume holds its oil; the inverse of `with_contents`.
 
     Args:
         state: with pressures near them; the manifold's is left.
-        held: the same with oil in place of pressures.
+        contents: the same with oil in place of pressures.
         p: the machine.
     """
-    return _settled(state, held, p) if _conserves_oil(p) else state
+    return _settled(state, contents, p) if _conserves_oil(p) else state
 
 
 def _conserves_oil(p: PlantParameters) -> bool:
@@ -37,14 +37,14 @@ def _conserves_oil(p: PlantParameters) -> bool:
     return swing or boom or stick or p.supply.volume > 0.0
 
 
-def _settled(state: PlantState, held: PlantState, p: PlantParameters) -> PlantState:
+def _settled(state: PlantState, contents: PlantState, p: PlantParameters) -> PlantState:
     """Return what `settled` does; not inlined."""
     joints = at_joints(state, p)
     t_1, t_2, t_3 = transmissions(joints.swing.angle, joints.boom.angle, joints.stick.angle, p)
     return PlantState(
-        swing=_settled_axis(state.swing, held.swing, t_1, p.swing),
-        boom=_settled_axis(state.boom, held.boom, t_2, p.boom),
-        stick=_settled_axis(state.stick, held.stick, t_3, p.stick),
+        swing=_settled_axis(state.swing, contents.swing, t_1, p.swing),
+        boom=_settled_axis(state.boom, contents.boom, t_2, p.boom),
+        stick=_settled_axis(state.stick, contents.stick, t_3, p.stick),
         supply=state.supply,
         head=state.head,
         drive=state.drive,
@@ -53,14 +53,14 @@ def _settled(state: PlantState, held: PlantState, p: PlantParameters) -> PlantSt
     )
 
 
-def _settled_axis(s: AxisState, held: AxisState, t: Transmission, axis: Axis) -> AxisState:
+def _settled_axis(s: AxisState, contents: AxisState, t: Transmission, axis: Axis) -> AxisState:
     if not axis.oil_1.yields:
         return s
     return AxisState(
         angle=s.angle,
         rate=s.rate,
-        pressure_1=settled_pressure(s.pressure_1, held.pressure_1, t.position, axis.oil_1),
-        pressure_2=settled_pressure(s.pressure_2, held.pressure_2, t.position, axis.oil_2),
+        pressure_1=settled_pressure(s.pressure_1, contents.pressure_1, t.position, axis.oil_1),
+        pressure_2=settled_pressure(s.pressure_2, contents.pressure_2, t.position, axis.oil_2),
         flow_1=s.flow_1,
         flow_2=s.flow_2,
     )

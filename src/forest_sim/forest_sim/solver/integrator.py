@@ -90,18 +90,18 @@ def step_by_stages(simulation: Simulation, voltages: Vec3, h: float, p: PlantPar
     rates, ports = _rates_after(plant, simulation.accelerations, c), ports_at(middle, p, early, tank.seen)
     if p.supply.rate > 0.0:
         ports = sensed_over(ports, simulation.spools, end, p)
-    base = start = held = with_contents(plant, early, p)
+    base = start = contents = with_contents(plant, early, p)
     ahead = after = _with_head_ahead(plant, simulation.head_accelerations, c)
     first, failures = plant, 0
     for stage in range(2):  # one body for both, so that the compiled plant holds it once
-        after, held, failed = solve_stage(base, ahead, rates, ports, c, p)
+        after, contents, failed = solve_stage(base, ahead, rates, ports, c, p)
         failures += failed
         if p.tank_line.capacitance > 0.0:
             returned += (GAMMA if stage else 1.0 - GAMMA) * returned_flow(after, ports, p)
         if stage == 0:
             first = after
             # y + (1 - gamma) h k_1, with k_1 = (Y_1 - y) / (gamma h)
-            base = _blend(start, held, (1.0 - GAMMA) / GAMMA, p)
+            base = _blend(start, contents, (1.0 - GAMMA) / GAMMA, p)
             ahead = _blend(plant, after, 1.0 / GAMMA, p)
             rates = ahead.swing.rate, ahead.boom.rate, ahead.stick.rate
             if end != middle or has_poppets(p):
@@ -109,7 +109,7 @@ def step_by_stages(simulation: Simulation, voltages: Vec3, h: float, p: PlantPar
                 if p.supply.rate > 0.0:
                     ports = sensed_over(ports, simulation.spools, end, p)
     tank = pressure_after(tank, returned, h, p.tank_line)
-    after = settled(after, held, p)
+    after = settled(after, contents, p)
     events = _count(simulation.events, plant, after, failures, p.guard, tank.seen)
     rates_after, head_after = _mean_accelerations(base, after, c), _head_accelerations(base, after, c)
     known = midpoint._replace(tank=tank)

@@ -258,7 +258,7 @@ def _axis_power(
 
 def _holding(s: Side) -> float:
     """Return what a side's load-holding valve loses [W]: nothing of a flow that stops behind a shut one."""
-    return 0.0 if is_held(s.flow, s.held) else holding_drop(s.flow, s.held) * s.flow
+    return 0.0 if is_held(s.flow, s.holding) else holding_drop(s.flow, s.holding) * s.flow
 
 
 def _valve(pressure: float, flow: float, port: Port, supply: float) -> tuple[float, float]:

@@ -26,7 +26,7 @@ class AxisEnd(NamedTuple):
     """One axis at a stage's end."""
 
     state: AxisState  # where there are chambers, with pressures along the tangent of the oil's law
-    held: AxisState  # where there are chambers, with their oil in place of pressures
+    contents: AxisState  # where there are chambers, with their oil in place of pressures
 
 
 TANGENTS = 30  # to the oil's law that a stage tries
@@ -303,10 +303,10 @@ def corrected_axis(
         one.flow + q_1,
         -two.flow - q_2,
     )
-    return AxisEnd(state, _held(base, state, solution, h * moved, axis) if axis.oil_1.yields else state)
+    return AxisEnd(state, _contents(base, state, solution, h * moved, axis) if axis.oil_1.yields else state)
 
 
-def _held(base: AxisState, end: AxisState, solution: AxisSolution, way: float, axis: Axis) -> AxisState:
+def _contents(base: AxisState, end: AxisState, solution: AxisSolution, way: float, axis: Axis) -> AxisState:
     """Return a stage's end with the oil that has flowed in place of its pressures.
 
     Args:

@@ -47,7 +47,7 @@ class StageEnd(NamedTuple):
     """What a stage leads to."""
 
     state: PlantState  # Y; where there are chambers, with pressures along the tangent of the oil's law
-    held: PlantState  # Y, with oil in place of pressures as `conserved_oil.with_contents` has it
+    contents: PlantState  # Y, with oil in place of pressures as `conserved_oil.with_contents` has it
     failed: int  # 1 if Newton did not converge
 
 
@@ -153,7 +153,7 @@ def _stage_end(
     if p.drive.present:
         drive = drive_after(base.drive, w[0], iterate.motor_rate, h, p.drive)
         angle = base.swing.angle + h * u[0]
-        swing = AxisEnd(with_joint(swing.state, angle, u[0]), with_joint(swing.held, angle, u[0]))
+        swing = AxisEnd(with_joint(swing.state, angle, u[0]), with_joint(swing.contents, angle, u[0]))
     boom = corrected_axis(base.boom, w[1], e.boom, feeds[1], supply_change, p.boom, h)
     stick = corrected_axis(base.stick, w[2], e.stick, feeds[2], supply_change, p.stick, h)
     if bends:
@@ -161,13 +161,13 @@ def _stage_end(
         swing = _with_link(swing, base.swing, u[0], h)
         boom, stick = _with_link(boom, base.boom, u[1], h), _with_link(stick, base.stick, u[2], h)
     head = stage_equations.head_at(base.head, iterate.head_rates, h)
-    held = SupplyState(manifold_oil(iterate.supply.pressure, p.supply), iterate.supply.reference)
+    contents = SupplyState(manifold_oil(iterate.supply.pressure, p.supply), iterate.supply.reference)
     pump = base.pump
     if p.supply.drive.present:
         pump = flow_after(iterate.supply, base.pump, h, p.supply).pump
     return StageEnd(
         PlantState(swing.state, boom.state, stick.state, iterate.supply, head, drive, pump, roots),
-        PlantState(swing.held, boom.held, stick.held, held, head, drive, pump, roots),
+        PlantState(swing.contents, boom.contents, stick.contents, contents, head, drive, pump, roots),
         failed,
     )
 
@@ -175,7 +175,7 @@ def _stage_end(
 def _with_link(end: AxisEnd, base: AxisState, rate: float, h: float) -> AxisEnd:
     """Return an axis' end, solved at its root, with the angle and rate [rad/s] of the link."""
     angle = base.angle + h * rate
-    return AxisEnd(with_joint(end.state, angle, rate), with_joint(end.held, angle, rate))
+    return AxisEnd(with_joint(end.state, angle, rate), with_joint(end.contents, angle, rate))
 
 
 def _newton_step(

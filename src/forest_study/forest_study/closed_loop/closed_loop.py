@@ -269,7 +269,7 @@ class ClosedLoop:
             decision, telemetry = self.controller.advance(machine, valves, now, cylinders)
             if decision.verdict != Verdict.SKIP:
                 self._commands.send(now, (now, self.controller.command))
-                self._reference = telemetry.output.tip_reference if telemetry else ZERO
+                self._reference = telemetry.output.tip_velocity_reference if telemetry else ZERO
                 self.telemetry = telemetry or self.telemetry
                 lost = False
         if lost:

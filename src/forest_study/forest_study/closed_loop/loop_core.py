@@ -181,7 +181,7 @@ def guarded(
     inputs = control_inputs(machine, decision, cylinders, loop.reports.heard, loop.drive.voltages)
     begun = control_state.stopped(before.state) if decision.verdict == Verdict.STOP else before.state
     state, output = controller.step(begun, inputs, k.control, decision.dt)
-    return Guarded(permission, state, output.command), output.tip_reference
+    return Guarded(permission, state, output.command), output.tip_velocity_reference
 
 
 def machine_state(seen: Measurement, stamp: int, now: float) -> MachineState:

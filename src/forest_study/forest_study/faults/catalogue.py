@@ -29,10 +29,10 @@ def _state(bound: Bound, experiment: Bound, standing: str = "") -> dict[State, B
     return found | {State.EXPERIMENT: experiment._replace(again=False)}
 
 
-def _off(off: float, experiment: float, told: str = "") -> dict[State, Bound]:
+def _off(off: float, experiment: float) -> dict[State, Bound]:
     """Return the bound of what goes on moving: how far the tip is from where it would be."""
-    bound = Bound(off=off, told=told)
-    found = same(bound, HELD, STANDING=Bound(off=off, told=told, again=False))
+    bound = Bound(off=off)
+    found = same(bound, HELD, STANDING=bound._replace(again=False))
     return found | {State.EXPERIMENT: Bound(off=experiment)}
 
 
