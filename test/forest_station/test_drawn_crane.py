@@ -14,6 +14,7 @@ from forest_description.geometry.kinematics import tip_position
 from forest_description.machine import load_machine
 from forest_description.types import AXES
 from forest_station.scene.crane_signals import crane_signals
+from forest_station.scene.greatest_rates import GreatestRates
 from forest_station.scene.scene_description import scene_of
 
 C180 = load_machine("c180")
@@ -54,10 +55,19 @@ def loaded(mass: float, share: float) -> dict[str, float]:
     return {"tip/load/mass": mass, "tip/load/share": share}
 
 
+def moving(stick: float) -> dict[str, float]:
+    """Return the signals of joints that move, the stick at a rate [rad/s]."""
+    told = dict(zip((f"{axis}.velocity" for axis in AXES), (-0.1, 0.03, stick), strict=True))
+    told |= dict(zip((f"{axis}.position" for axis in AXES), Q, strict=True))
+    return {f"joint_states/{name}": value for name, value in told.items()} | GreatestRates(C180).signals(told)
+
+
 @pytest.mark.parametrize(
     ("limit", "others", "glowing", "named"),
     [
         (Limit.RATE, {}, [], "speed limit of a joint or valve"),
+        (Limit.RATE, moving(0.05), [], "speed limit of a joint or valve"),
+        (Limit.RATE, moving(-0.19), ["stick"], "stick: greatest speed"),
         (
             Limit.JOINT,
             {"joint_states/boom.position": joint_limits(C180)[1][0]},

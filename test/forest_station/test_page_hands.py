@@ -208,7 +208,7 @@ def test_a_bag_that_cannot_be_replayed_says_why_beside_the_list(met: PageStandIn
     page.route("**/bags/empty.json", lambda route: route.fulfill(status=400, body="empty has no messages"))
     page.get_by_role("button", name="Read the list again").click()
     page.get_by_role("button", name="Replay").click()
-    page.wait_for_selector("#recording >> text=The bag cannot be replayed: empty has no messages")
+    page.wait_for_selector("#recording >> text=The recording cannot be replayed: empty has no messages")
     for pattern in ("**/bags.json", "**/bags/empty.json"):
         page.unroute(pattern)
 
@@ -717,3 +717,75 @@ DONE = """async () => {
 @pytest.mark.parametrize("sized", [(1280, 800), (900, 600), (390, 844)], indirect=True)
 def test_the_result_of_the_exercise_is_not_cut_off_by_its_buttons(met: PageStandIn) -> None:
     assert not met.page.evaluate(DONE)
+
+
+def test_a_recording_is_told_once_while_it_runs_and_when_it_has_ended(met: PageStandIn) -> None:
+    panel, told = met.page.locator("#recording"), {"name": "mine", "seconds": 3, "bytes": 2000, "hears": True}
+    met.page.get_by_role("button", name="Record", exact=True).click()
+    met.page.clock.run_for(100)
+    assert met.asked[-1]["do"] == "start_recording"
+    for active, text in ((True, "recording to mine"), (False, "recorded 9 messages, 3 topics, lost 0: mine")):
+        met.tell("recording", active=active, text=text, **told)
+        met.page.wait_for_selector("#recording .state:text('mine')")
+        assert panel.inner_text().count("mine") == 1 + ("mine" in panel.locator(".bags").inner_text())
+        assert "done" not in panel.inner_text()  # the answer
+
+
+def test_older_recordings_are_told_of_and_found_by_words_of_their_name_and_date(met: PageStandIn) -> None:
+    page, hour = met.page, 3600
+    bags = [BAG | {"name": f"shift_{i}", "modified": hour * (5000 - i)} for i in range(312)]
+    met.pages["/bags.json"] = bags
+    page.get_by_role("button", name="Read the list again").click()
+    page.wait_for_selector(
+        "#recording .found:text-is('These are the newest 50 of 312: search for the others.')"
+    )
+    search, names = page.get_by_label("Search the recordings"), page.locator("#recording li .name")
+    assert names.count() == 50
+    search.fill("SHIFT_311 1970")
+    assert names.all_inner_texts() == ["shift_311"]
+    assert not page.locator("#recording .found").inner_text()
+    search.fill("monday's")
+    page.wait_for_selector("#recording .found:text('None of 312 recordings has')")
+    search.fill("")
+    met.pages["/bags.json"] = []
+    page.get_by_role("button", name="Read the list again").click()
+    page.wait_for_selector("#recording .found:text-is('There is no recording yet.')")
+    assert not search.is_visible()
+
+
+def test_the_stops_button_crosses_out_the_space_bar_where_it_writes(met: PageStandIn) -> None:
+    page, crossed = met.page, met.page.locator("#emergency_stop kbd[data-off]")
+    keys = "() => document.querySelector('.stop').getAttribute('aria-keyshortcuts')"
+    field = page.get_by_label("Name of the recording")
+    for focused, off in (
+        (field, ["space"]),
+        (page.get_by_role("button", name="Mark a square"), []),
+        (field, ["space"]),
+    ):
+        focused.focus()
+        assert crossed.all_inner_texts() == off
+        assert page.evaluate(keys) == ("Escape" if off else "Escape Space")
+    page.keyboard.press("Space")
+    assert field.input_value() == " "
+    field.fill("")
+    field.blur()
+    assert crossed.count() == 0
+    assert met.asked == []
+
+
+@pytest.mark.usefixtures("sized")
+@pytest.mark.parametrize("sized", [(1000, 640)], indirect=True)
+def test_the_figure_of_the_drawing_and_the_legend_do_not_lie_over_each_other(met: PageStandIn) -> None:
+    overlaps = """async () => {
+      const { legend, rateText } = await import("/web/scene/overlay.js");
+      const rate = document.createElement("button");
+      Object.assign(rate, { className: "rate", textContent: rateText(1, 0.3) });
+      const lines = legend();
+      lines.open = true;
+      document.querySelector("#scene").append(lines, rate);
+      const [a, b] = [lines, rate].map((one) => one.getBoundingClientRect());
+      lines.remove();
+      rate.remove();
+      return a.left < b.right && b.left < a.right && a.top < b.bottom && b.top < a.bottom;
+    }"""
+    assert not met.page.evaluate(overlaps)

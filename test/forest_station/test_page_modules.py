@@ -8,6 +8,7 @@ import pytest
 from page_stand_in import Js
 
 from forest_control.config.profile_file import shipped
+from forest_control.config.workspace_file import shipped as shipped_workspaces
 from forest_control.limits.velocity_scaling import Limit
 from forest_control.operator import joystick_watch
 from forest_control.operator.levers import AXIS_COUNT, BUTTON_COUNT, LEFT_SHOULDER
@@ -206,6 +207,8 @@ def test_a_limit_that_lets_nothing_through_is_no_slowing_to_nothing(js: Js) -> N
     told = js("hands/why.js", why, [Limit.JOINT, "boom"])
     assert told == [held, held, "Slowed to 28 %: the boom joint nears its limit.", ""]
     assert js("hands/why.js", why, [Limit.JOINT, ""])[0] == "Held back: the joint is at its limit."
+    told = [js("hands/why.js", why, [Limit.RATE, axis])[2] for axis in ("stick", "")]
+    assert told == [f"Slowed to 28 % by {who} joint's greatest speed." for who in ("the stick", "a")]
 
 
 @pytest.mark.parametrize(
@@ -327,7 +330,7 @@ def test_charts_are_drawn_one_after_the_other_and_rest_in_proportion_to_what_the
       const idle = { drawNew: () => false };
       const drawn = (i) => ({ drawNew: () => ((now += took), told.push(i), true) });
       const all = [broken, idle, ...Array.from({ length: count }, (_, i) => drawn(i))];
-      all.forEach((chart) => charts.add(chart));
+      for (const chart of all) charts.add(chart);
       await new Promise((resolve) => setTimeout(resolve)); // all of its steps have been taken by then
       return [told, failed];
     }"""
@@ -577,8 +580,10 @@ def test_every_choice_that_is_made_while_driving_has_a_sentence(js: Js) -> None:
     choices = [("profile", name) for name in shipped()]
     for setting, kinds in (("scheme", Scheme), ("mode", Mode), ("axis_frame", Frame)):
         choices += [(setting, kind.name.lower()) for kind in kinds]
+    choices += [(name, value) for name in ("adapt", "anti_sway") for value in (False, True)]
+    choices += [("workspace", name) for name in ("", *shipped_workspaces())]
     said = js("settings/meanings.js", "(m, choices) => choices.map((one) => m.meaning(...one))", choices)
-    assert len(said) == 14
+    assert len(said) == 20
     assert all(said)
     assert js("settings/meanings.js", "m => m.meaning('tip_speed', 0.5)") == ""
 
@@ -608,20 +613,20 @@ def test_parts_of_nodes_are_named_as_an_operator_calls_them(js: Js) -> None:
 @pytest.mark.parametrize(
     ("told", "said"),
     [
-        ((True, "recording to mine"), "mine: 00:00:05, 2 kB. recording to mine"),
+        ((True, "recording to mine"), "mine: 00:00:05, 2 kB."),
         ((True, "0:00:31.7, 3.46 MB, lost 0"), "mine: 0:00:31.7, 3.46 MB, lost 0"),
         ((False, "Nothing is recorded."), "Nothing is recorded."),
         (
             (False, "recorded 9000 messages, 30 topics, lost 9, 9 of /joy: mine"),
-            "recorded 9000 messages, 30 topics, lost 9 in 1 topic: mine",
+            "Recorded 9000 messages, 30 topics, lost 9 in 1 topic: mine",
         ),
         (
             (False, "recorded 900 messages, 30 topics, lost 9, 5 of /joy, 4 of /a/b: mine"),
-            "recorded 900 messages, 30 topics, lost 9 in 2 topics: mine. Too many are lost for figures.",
+            "Recorded 900 messages, 30 topics, lost 9 in 2 topics: mine. Too many are lost for figures.",
         ),
         (
             (False, "recorded 0 messages, 0 topics, lost 0: mine"),
-            "recorded 0 messages, 0 topics, lost 0: mine. Nothing was heard: record longer.",
+            "Recorded 0 messages, 0 topics, lost 0: mine. Nothing was heard: record longer.",
         ),
     ],
 )

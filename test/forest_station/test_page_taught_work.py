@@ -98,8 +98,8 @@ def test_a_cycle_is_chosen_and_played_and_what_cannot_be_played_says_why(met: Pa
         ),
         (
             "holding",
-            "load: take: grapple close.",
-            "load: take: grapple close.",
+            "load: take: grapple close, until a person confirms",
+            "load: take: grapple close. Press Confirm when it has.",
             ["Confirm", "End"],
             "resume_cycle",
         ),
@@ -114,6 +114,46 @@ def test_each_phase_is_told_and_offers_what_can_be_done(
     says(met, said)
     assert offered(met) == buttons
     assert press(met, buttons[0])["do"] == asks
+
+
+def test_a_simulated_grapple_is_said_to_be_worked_elsewhere_and_one_with_a_time_needs_nobody(
+    met: PageStandIn,
+) -> None:
+    asked, timed = "load: take: grapple close, until a person confirms", "load: take: grapple close, for 2 s"
+    for signals, text, said in (
+        (SIGNALS, asked, "load: take: grapple close. Press Confirm when it has."),
+        (
+            (*SIGNALS, ("ground_truth/load/mass", "kg")),
+            asked,
+            "worked in Load, by Grasp a log and Drop it. Press",
+        ),
+        (SIGNALS, timed, timed),
+    ):
+        met.tell("welcome", you="operator 1", signals=signals)
+        tell(met, "holding", text, "take")
+        says(met, said)
+    assert "Confirm" not in met.page.locator("#taught_work .state").inner_text()
+
+
+def test_an_answer_is_over_when_something_else_goes_on(met: PageStandIn) -> None:
+    tell(met, "paused", "load: paused: a stick moved.", "out")
+    assert press(met, "Resume")["do"] == "resume_cycle"
+    tell(met, "finished", segment="out")
+    expect(met.page.locator("#taught_work .answer")).to_be_hidden()  # it is empty
+
+
+def test_a_step_without_a_cycle_asks_for_one_where_it_is_named(met: PageStandIn) -> None:
+    page = met.page
+    page.get_by_label("Cycle", exact=True).select_option("")
+    page.locator("#taught_work .teach summary").click()
+    field = page.get_by_label("Cycle that is taught")
+    page.get_by_role("button", name="Pose here").click()
+    asked = "(field) => [field.validationMessage, document.activeElement === field]"
+    assert field.evaluate(asked) == ["Name a cycle here, or choose one above.", True]
+    assert met.asked == []
+    field.fill("new")
+    assert press(met, "Pose here")["cycle"] == "new"
+    page.locator("#taught_work .teach summary").click()
 
 
 def test_who_looks_on_pauses_and_ends_but_neither_plays_nor_teaches(met: PageStandIn) -> None:

@@ -196,14 +196,14 @@ def test_a_setting_is_switched_and_a_refusal_is_the_nodes_own_sentence(page):
 
 
 def test_a_recording_is_made_marked_and_readable(page, bags, capsys):
-    page.locator("#recording [aria-label='Name of the bag']").fill("trial")
+    page.locator("#recording [aria-label='Name of the recording']").fill("trial")
     page.locator("#recording .record").click()
-    page.wait_for_selector("#recording .state:text('recording to trial')")
+    page.wait_for_selector("#recording .state:text('trial: ')")
     page.locator("#recording form input").fill("log dropped")
     page.locator("#recording form button").click()
     page.wait_for_selector("#recording .answer:text('Marked: log dropped')")
     page.locator("#recording .record").click()
-    page.wait_for_selector("#recording .state:text('recorded')")
+    page.wait_for_selector("#recording .state:text('Recorded')")
     page.wait_for_selector("#recording li .name:text-is('trial')")
     assert forest_bag(["info", "--json", str(bags / "trial")]) == 0
     found = json.loads(capsys.readouterr().out)

@@ -17,6 +17,7 @@ from forest_msgs_py.interfaces import topics
 from forest_msgs_py.interfaces.topics import JOINTS, TOPICS, Topic, message_class
 from forest_msgs_py.runtime.polled_subscription import PolledSubscription
 from forest_station.scene.crane_signals import crane_signals
+from forest_station.scene.greatest_rates import GreatestRates
 
 FRESH = 0.5  # [s] for which a number counts, of a topic of 6 Hz and more
 PERIODS = 3.0  # of a slower topic, for which its numbers count
@@ -49,7 +50,7 @@ class Signals:
     """
 
     def __init__(self, node: Node, machine: Machine) -> None:
-        self._machine = machine
+        self._machine, self._greatest_rates = machine, GreatestRates(machine)
         profile = QoSProfile(depth=1, reliability=ReliabilityPolicy.BEST_EFFORT)
         self._polled = [
             (topic, PolledSubscription(node, message_class(topic), topic.name, profile, raw=True))
@@ -94,10 +95,14 @@ class Signals:
             known.setdefault(label, unit)
 
     def _crane(self, sent: float, joints: Row) -> tuple[float, Row]:
-        """Return all moving joints, computed from the measured ones."""
+        """Return all moving joints and the driven ones' greatest rates, computed from the measured ones."""
         told = dict(zip(joints.labels, joints.values, strict=True))
         angles = {axis: told.get(f"{axis}.position", math.nan) for axis in JOINTS}
-        found = crane_signals(self._machine, angles)
+        found = crane_signals(self._machine, angles) | self._greatest_rates.signals(told)
         labels = tuple(name.removeprefix(f"{CRANE.name}/") for name in found)
-        units = tuple("m" if "_rod." in label else "rad" for label in labels)
+        units = tuple(map(_unit, labels))
         return sent, Row(joints.stamp_ns, labels, units, tuple(found.values()))
+
+
+def _unit(label: str) -> str:
+    return "m" if "_rod." in label else "rad/s" if label.endswith("_rate") else "rad"

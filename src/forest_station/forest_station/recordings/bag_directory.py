@@ -15,7 +15,6 @@ from forest_bag.read.bag_reader import SUFFIXES
 from forest_bag.storage.bag_files import BagError
 
 DEEPEST = 3  # parts of a name: a demo's bag is demo/bag
-MOST_BAGS = 500  # in the list, the newest
 LONGEST_NAME = 64
 METADATA = "metadata.yaml"
 METADATA_BYTES = 1 << 20  # more is not looked at for the list
@@ -45,7 +44,7 @@ class BagDirectory:
     def entries(self) -> list[BagEntry]:
         """Return the bags, newest first."""
         found = [self._entry(path) for path in self._bags(self.path, 1)]
-        return sorted(found, key=lambda entry: entry.modified, reverse=True)[:MOST_BAGS]
+        return sorted(found, key=lambda entry: entry.modified, reverse=True)
 
     def existing(self, name: str) -> Path:
         """Return the path of a bag.

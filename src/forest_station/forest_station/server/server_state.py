@@ -50,9 +50,9 @@ class Station:
             outbox.put(kind, _for_page(page, kind, content))
 
     def open(self) -> str:
-        """Take in a page that has come; return its id."""
+        """Take in a page that has come; return its id, by which people call its operator, too."""
         self._opened += 1
-        page, outbox = str(self._opened), Outbox()
+        page, outbox = f"operator {self._opened}", Outbox()
         self.pages[page] = outbox
         self._welcome(page)
         for kind, content in self._told.items():

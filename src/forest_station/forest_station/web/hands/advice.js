@@ -1,8 +1,8 @@
 // What is in the way and what to do next, judged once for every panel that says so.
 
 import { handsOf } from "./hands.js";
-import { adviceFor, isStanding, lostText, standingCause } from "./why.js";
-import { axisAtLimit } from "../scene/axes.js";
+import { RATE, adviceFor, isStanding, lostText, standingCause } from "./why.js";
+import { axisAtLimit, axisAtRate } from "../scene/axes.js";
 
 const PERIOD_MS = 200; // the controller's status comes with the frames
 const MOMENT_MS = 300; // in which a controller arms: it hears of the deadman a little later than the page
@@ -53,11 +53,18 @@ class Advice extends EventTarget {
 
   #status(now) {
     const value = (label) => this.station.value(`controller/status/${label}`);
-    const joints = this.station.scene?.joints;
-    const axis = joints ? axisAtLimit(joints, (name) => this.station.value(name)) : "";
+    const axis = this.#axisAt(value("limit"));
     const isHeld = this.seat?.deadman.state === "held" && this.hands.deadman.held;
     this.#disarmed = isHeld && value("armed") === 0 ? this.#disarmed || now : NaN;
     return { disarmed: now - this.#disarmed >= MOMENT_MS, factor: value("factor"), limit: value("limit"), axis };
+  }
+
+  // The axis whose limit acts; "" if nobody knows.
+  #axisAt(limit) {
+    const value = (name) => this.station.value(name);
+    if (limit === RATE) return axisAtRate(value);
+    const joints = this.station.scene?.joints;
+    return joints ? axisAtLimit(joints, value) : "";
   }
 }
 

@@ -3,9 +3,10 @@
 import { ADVICE, isLateness } from "./late.js";
 
 // By code of `limit` on controller/status: docs/reference/codes.md.
+export const RATE = 1;
 const JOINT = 2;
 const LIMITS = [
-  "", "a joint's greatest speed", "", "a singular pose", "the flow of the pumps", "a wall", "",
+  "", "", "", "a singular pose", "the flow of the pumps", "a wall", "",
   "the load: inward, down and sideways are free", "an overload: let go of the deadman, then put the load down", "the joystick's late link",
 ];
 
@@ -116,5 +117,6 @@ function slowedText({ factor, limit, axis }) {
   if (!(percent < 100)) return "";
   const held = percent === 0 ? "Held back" : `Slowed to ${percent} %`;
   if (limit === JOINT) return `${held}: the ${axis ? `${axis} ` : ""}joint ${percent === 0 ? "is at" : "nears"} its limit.`;
+  if (limit === RATE) return `${held} by ${axis ? `the ${axis}` : "a"} joint's greatest speed.`;
   return LIMITS[limit] ? `${held} by ${LIMITS[limit]}.` : "";
 }

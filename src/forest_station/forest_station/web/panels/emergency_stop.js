@@ -26,8 +26,12 @@ class EmergencyStop {
     this.advice = adviceOf(station);
     this.button = makeButton("EMERGENCY STOP", ({ detail }) => detail === 0 && this.stop(), "stop");
     this.button.addEventListener("pointerdown", () => this.stop()); // its click comes only with the release
-    this.button.setAttribute("aria-keyshortcuts", STOP_KEYS.join(" "));
-    this.button.append(make("small", {}, make("kbd", {}, "Esc"), make("kbd", {}, "space")));
+    this.space = make("kbd", {}, "space");
+    this.button.append(make("small", {}, make("kbd", {}, "Esc"), this.space));
+    for (const kind of ["focusin", "focusout"]) document.addEventListener(kind, ({ relatedTarget, target }) => {
+      this.#showKeys(kind === "focusin" ? target : relatedTarget);
+    });
+    this.#showKeys(null);
     this.line = messageLineOf(station);
     this.resetButton = makeButton("Reset", () => this.reset(), "reset");
     element.append(this.button, this.resetButton);
@@ -42,6 +46,14 @@ class EmergencyStop {
     });
     this.advice.addEventListener("change", () => this.#lookAtHands());
     this.#show();
+  }
+
+  // Where a text is typed the space bar writes: the button crosses it out.
+  #showKeys(focused) {
+    const writes = focused !== null && isTyping({ target: focused });
+    this.space.toggleAttribute("data-off", writes);
+    const keys = STOP_KEYS.filter((key) => !(writes && key === "Space"));
+    this.button.setAttribute("aria-keyshortcuts", keys.join(" "));
   }
 
   async stop() {

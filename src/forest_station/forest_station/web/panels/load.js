@@ -18,7 +18,7 @@ const instrument = makeInstrument(
     unit: "%",
     range: [0, 100],
     height: 72,
-    lines: [{ label: "of what may hang here", signals: ["tip/load/share"], value: (share) => 100 * share }],
+    lines: [{ label: "of the load allowed here", signals: ["tip/load/share"], value: (share) => 100 * share }],
   },
 );
 

@@ -1,4 +1,4 @@
-// Record the live crane, mark what happens, and the list of bags.
+// Record the live crane, mark what happens, and the list of recordings.
 
 import { make, makeButton, setText } from "../elements.js";
 import { bagsOf } from "../replay/bags.js";
@@ -8,7 +8,7 @@ export const place = "left";
 export const title = "Recordings";
 
 const LONGEST_MARK = 200;
-const MOST_ROWS = 50;
+const [MOST_ROWS, SEARCHED] = [50, 10]; // in the list; recordings from which on it can be searched
 const LOST_OF = /(lost \d+)((?:, \d+ of [^,:]+)+)/;
 const SLIGHT = 1e-3; // share of messages that may be lost of a bag that figures are taken from
 
@@ -18,8 +18,8 @@ export function mount(element, station) {
   const answer = make("p", { className: "answer", role: "status" });
   const ask = async (what, args, meanwhile = "") => {
     setText(answer, meanwhile);
-    const { text } = await station.ask(what, args);
-    setText(answer, LOST_OF.test(text) ? "" : text); // the state tells it already, and what it means
+    const { ok, text } = await station.ask(what, args);
+    setText(answer, ok && what !== "mark" ? "" : text); // the state tells of the recorder already
   };
   element.append(recorder(station, ask), state, losses, marker(station, ask), answer, list(station));
   station.on("recording", (told) => {
@@ -31,7 +31,7 @@ export function mount(element, station) {
 
 function recorder(station, ask) {
   const name = make("input", { type: "text", placeholder: "name: date and time", maxLength: 64, spellcheck: false });
-  name.setAttribute("aria-label", "Name of the bag");
+  name.setAttribute("aria-label", "Name of the recording");
   const stop = async () => {
     setText(button, "Stopping…"); // the recorder writes what is left, which may take seconds
     button.disabled = true;
@@ -64,9 +64,9 @@ export function lossesText({ active, text }) {
 // How a recording goes, and what became of it: without each topic's losses, but with what they mean.
 export function stateText({ active, hears, name, seconds, bytes, text }) {
   if (active && !hears) return `${name}: the recorder starts, and does not hear the crane yet.`;
-  if (active) return /^\d+:/.test(text) ? `${name}: ${text}` : `${name}: ${clock(seconds)}, ${size(bytes)}. ${text}`;
-  const short = text.replace(LOST_OF, (_, lost, topics) => `${lost} in ${counted(topics.split(", ").length - 1, "topic")}`);
-  const [, written, lost] = /^recorded (\d+) messages.* lost (\d+)/.exec(short) ?? [];
+  if (active) return `${name}: ${/^\d+:/.test(text) ? text : `${clock(seconds)}, ${size(bytes)}.`}`;
+  const short = text.replace(/^r/, "R").replace(LOST_OF, (_, lost, topics) => `${lost} in ${counted(topics.split(", ").length - 1, "topic")}`);
+  const [, written, lost] = /^Recorded (\d+) messages.* lost (\d+)/.exec(short) ?? [];
   if (written === "0") return `${short}. Nothing was heard: record longer.`;
   return lost > SLIGHT * written ? `${short}. Too many are lost for figures.` : short;
 }
@@ -93,24 +93,45 @@ function list(station) {
   const opening = make("p", { className: "answer", role: "status" });
   replay.addEventListener("change", () => setText(opening, openingText(replay)));
   const rows = make("ul", { className: "bags" });
-  const trouble = make("p");
-  bags.addEventListener("change", () => {
-    setText(trouble, bags.trouble || (bags.entries.length ? "" : "There is no bag yet."));
-    rows.replaceChildren(...bags.entries.slice(0, MOST_ROWS).map((bag) => row(bag, replay)));
-  });
-  return make("div", {}, opening, rows, trouble, makeButton("Read the list again", () => bags.read()));
+  const told = make("p", { className: "found", role: "status" });
+  const search = make("input", { type: "search", placeholder: "search by name or date" });
+  search.setAttribute("aria-label", "Search the recordings");
+  const show = () => {
+    const found = bags.entries.filter((bag) => isFound(bag, search.value));
+    setText(told, bags.trouble || foundText(found.length, bags.entries.length, search.value));
+    search.hidden = bags.entries.length < SEARCHED;
+    rows.replaceChildren(...found.slice(0, MOST_ROWS).map((bag) => row(bag, replay)));
+  };
+  search.addEventListener("input", show);
+  bags.addEventListener("change", show);
+  return make("div", {}, opening, search, rows, told, makeButton("Read the list again", () => bags.read()));
+}
+
+// Whether a recording's name or date has every word that is searched for.
+function isFound(bag, words) {
+  const text = `${bag.name} ${when(bag)}`.toLowerCase();
+  return words.toLowerCase().split(/\s+/).every((word) => text.includes(word));
+}
+
+// What the list leaves out, and how to reach it; `found` of `all` recordings are those that are searched for.
+export function foundText(found, all, words) {
+  if (all === 0) return "There is no recording yet.";
+  if (found === 0) return `None of ${all} recordings has "${words.trim()}" in its name or date.`;
+  return found > MOST_ROWS ? `These are the newest ${MOST_ROWS} of ${found}: search for the others.` : "";
 }
 
 // How the opening of a bag goes, as long as no replay is there to tell.
 export function openingText({ active, opening, trouble }) {
   if (active) return "";
-  if (opening) return `${opening} is opened.`;
-  return trouble && `The bag cannot be replayed: ${trouble}`;
+  if (opening) return `${opening} is being opened.`;
+  return trouble && `The recording cannot be replayed: ${trouble}`;
 }
 
-function row({ name, bytes, modified, seconds }, replay) {
-  const when = new Date(1000 * modified).toLocaleString([], { dateStyle: "short", timeStyle: "short" });
-  const told = [when, seconds === null ? "" : clock(seconds), size(bytes)].filter(Boolean).join(" · ");
+const when = ({ modified }) => new Date(1000 * modified).toLocaleString([], { dateStyle: "medium", timeStyle: "short" });
+
+function row(bag, replay) {
+  const { name, bytes, seconds } = bag;
+  const told = [when(bag), seconds === null ? "" : clock(seconds), size(bytes)].filter(Boolean).join(" · ");
   return make(
     "li",
     {},

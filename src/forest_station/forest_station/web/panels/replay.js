@@ -93,7 +93,7 @@ async function copyLink(replay, told) {
 function notes(replay) {
   const list = make("ul", { className: "notes" });
   replay.addEventListener("change", () => {
-    const texts = [replay.trouble, replay.opening && `${replay.opening} is opened.`, ...(replay.bag?.notes ?? [])];
+    const texts = [replay.trouble, replay.opening && `${replay.opening} is being opened.`, ...(replay.bag?.notes ?? [])];
     const told = texts.filter(Boolean);
     if (list.dataset.key === JSON.stringify(told)) return;
     list.dataset.key = JSON.stringify(told);

@@ -18,8 +18,8 @@ const FIRST = [
   { node: "controller", name: "profile", label: "Profile", make: shipped },
   { node: "controller", name: "tip_speed", label: "Tip speed", make: (told, set) => makeSlider(told, "m/s", set) },
   { node: "controller", name: "workspace", label: "Walls", make: (told, set) => shipped(told, set, ["", "none"]) },
-  { node: "valve_driver", name: "adapt", label: "Valves are learnt", make: (_, set) => makeButtons(SWITCH, set) },
-  { node: "controller", name: "anti_sway", label: "Head kept calm", make: (_, set) => makeButtons(SWITCH, set) },
+  { node: "valve_driver", name: "adapt", label: "Learning valves", make: (_, set) => makeButtons(SWITCH, set) },
+  { node: "controller", name: "anti_sway", label: "Sway damping", make: (_, set) => makeButtons(SWITCH, set) },
 ];
 
 export function mount(element, station) {

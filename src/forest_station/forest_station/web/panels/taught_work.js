@@ -33,14 +33,16 @@ class TaughtWork {
     });
     station.on("frame", () => setText(this.progress, progressText(this.#status())));
     for (const kind of ["told", "change"]) cycles.addEventListener(kind, () => this.#show());
+    cycles.addEventListener("told", () => this.#forget());
     this.#show();
   }
 
   // The form in which a step is taught: at the end of a cycle, which may be a new one.
   #teacher() {
-    this.cycle = make("input", { type: "text", placeholder: "a new name begins a cycle", maxLength: 64, spellcheck: false });
+    this.cycle = make("input", { type: "text", placeholder: "cycle: new or known", maxLength: 64, spellcheck: false });
     this.label = make("input", { type: "text", placeholder: "name of the step", maxLength: 60 });
     this.cycle.setAttribute("aria-label", "Cycle that is taught");
+    this.cycle.addEventListener("input", () => this.cycle.setCustomValidity(""));
     this.label.setAttribute("aria-label", "Name of the step");
     this.teaching = TEACHES.map(([what, text]) => makeButton(text, () => this.#teach(what)));
     return make("details", { className: "teach" }, make("summary", {}, "Teach by driving"), this.cycle, this.label,
@@ -49,11 +51,17 @@ class TaughtWork {
 
   async #teach(what) {
     const cycle = this.cycle.value.trim() || this.cycles.name;
-    if (!cycle) return setText(this.answer, "Give the cycle a name.");
+    if (!cycle) return this.#askForName();
     const { ok } = await this.#ask("teach", { cycle, what, label: this.label.value });
     if (!ok) return null;
     this.label.value = this.cycle.value = "";
     return this.cycles.choose(cycle);
+  }
+
+  // At the field itself: below the buttons nobody would look.
+  #askForName() {
+    this.cycle.setCustomValidity("Name a cycle here, or choose one above.");
+    this.cycle.reportValidity();
   }
 
   async #ask(what, args) {
@@ -64,6 +72,13 @@ class TaughtWork {
     return answer;
   }
 
+  // What was answered is over when something else goes on: the state tells of that.
+  #forget() {
+    const { phase } = this.cycles.told;
+    if (phase !== this.phase && phase !== "idle") setText(this.answer, "");
+    this.phase = phase;
+  }
+
   #status() {
     const value = (label) => this.station.value(`cycle/status/${label}`);
     return { way: value("way"), length: value("length"), away: value("away") };
@@ -71,7 +86,7 @@ class TaughtWork {
 
   #show() {
     const { told, cycle, trouble } = this.cycles;
-    setText(this.state, stateText(told));
+    setText(this.state, stateText(told, this.station.signals.has("ground_truth/load/mass")));
     this.work.hidden = !told.there;
     this.#choose();
     this.#offer(actionsIn(told.phase));

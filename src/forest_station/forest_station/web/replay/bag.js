@@ -23,6 +23,7 @@ export class Bag {
     this.scene = told.scene;
     this.notes = told.notes;
     this.lastFrame = Math.floor(this.seconds * RATE);
+    this.firstFrame = Math.min(this.lastFrame, Math.ceil((told.first.joint_states ?? 0) * RATE)); // in which a crane is seen
     this.trouble = ""; // why a window did not come
     this.columns = new Map(told.signals.map(([signal], column) => [signal, column]));
     this.changed = changed;

@@ -24,7 +24,7 @@ export function makeOverlay(replay, bags) {
     const over = replay.ghost?.bag.name ?? "";
     const names = new Set([over, ...bags.entries.map(({ name }) => name)].filter(Boolean));
     names.delete(replay.bag.name);
-    setOptions(choice, [["", "no other bag"], ...[...names].map((name) => [name, name])], over);
+    setOptions(choice, [["", "no other recording"], ...[...names].map((name) => [name, name])], over);
     if (!replay.ghost) return;
     setOptions(align, [[STARTS, "starts"], ...shared(replay).map((topic) => [topic, `first ${topic}`])], align.value);
     if (document.activeElement !== offset) offset.value = Number(replay.ghost.offset.toFixed(3));

@@ -78,7 +78,7 @@ class Replay extends EventTarget {
     this.#forget();
     this.station.emit("replay", { name });
     this.station.emit("scene", bag.scene);
-    this.seek(0);
+    this.#goTo(bag.firstFrame);
     requestAnimationFrame((now) => this.#tick(now, bag));
   }
 

@@ -1,6 +1,6 @@
 // What holds the tip back, shown on the crane where it acts, and named. Codes: docs/reference/codes.md.
 
-import { AXES, axisAtLimit } from "./axes.js";
+import { AXES, axisAtLimit, axisAtRate } from "./axes.js";
 
 const [RATE, JOINT, SINGULARITY, FLOW, WALL, RELEASED, LOAD, OVERLOAD, LATE] = [1, 2, 3, 4, 5, 6, 7, 8, 9];
 const CYLINDERS = { swing: ["platform"], boom: ["boom_barrel", "boom_rod"], stick: ["stick_barrel", "stick_rod"] };
@@ -30,7 +30,11 @@ export class Limits {
     const at = (link, xyz) => this.crane.place(link, xyz);
     const say = (text, place) => shown.labels.push({ key: "limit", text, at: place, kind: "limit" });
     const limit = signals.value("controller/status/limit");
-    if (limit === RATE) say("speed limit of a joint or valve", tip);
+    if (limit === RATE) {
+      const axis = axisAtRate((name) => signals.value(name));
+      if (axis) shown.glowing.add(LINKS[axis]);
+      say(axis ? `${axis}: greatest speed` : "speed limit of a joint or valve", axis ? at(LINKS[axis]) : tip);
+    }
     if (limit === JOINT) {
       const axis = axisAtLimit(this.crane.joints, (name) => signals.value(name));
       shown.glowing.add(LINKS[axis]);

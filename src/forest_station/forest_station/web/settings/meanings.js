@@ -22,6 +22,18 @@ const MEANINGS = {
     fine: "Near the tree: a stick is a place, at most 0.3 m away.",
     operator: "Small deflections are fine work; the crane swings round.",
   },
+  workspace: {
+    "": "Only the crane's own limits stop the tip.",
+    c180: "The tip brakes before the ground and the vehicle, and slides along them.",
+  },
+  adapt: {
+    true: "The valve driver learns each valve's deadband and gain from how the crane moves.",
+    false: "Each valve keeps the deadband and gain that its driver has.",
+  },
+  anti_sway: {
+    true: "The tip is led so that the grapple swings less; it arrives a little later.",
+    false: "The grapple swings as it hangs.",
+  },
 };
 
 const OF_A_JOINT = {

@@ -2,9 +2,19 @@
 
 const NONE = "Nothing is played. Choose a cycle, or teach one below.";
 
-// What is going on, of the newest `taught_work`.
-export function stateText({ there, phase, cycle, segment, text }) {
-  if (!there || phase === "holding") return text;
+const CONFIRMED = /, until a person confirms\.?$/;
+
+// What a step of the grapple waits for: its time, or a person.
+function holdingText(text, simulated) {
+  if (!CONFIRMED.test(text)) return text;
+  const where = simulated ? " The simulated grapple is worked in Load, by Grasp a log and Drop it." : "";
+  return `${text.replace(CONFIRMED, ".")}${where} Press Confirm when it has.`;
+}
+
+// What is going on, of the newest `taught_work`; simulated: the crane is.
+export function stateText({ there, phase, cycle, segment, text }, simulated = false) {
+  if (!there) return text;
+  if (phase === "holding") return holdingText(text, simulated);
   if (phase === "waiting") return `${cycle}: centre the sticks and hold the deadman.`;
   if (phase === "running") return `${cycle}: ${segment}. Any stick pauses it.`;
   if (phase === "paused") return `${text} To go on: Resume, with centred sticks, and hold the deadman.`;
