@@ -204,6 +204,18 @@ def test_a_flow_that_shows_has_caught_up():
     assert run(SWING, FILE, [2.0] * 40, noise=2e-4, learner=late).forward.behind == 0.0
 
 
+def test_a_joint_that_falls_back_through_its_play_is_no_shut_valve():
+    *_, learner = stuck(NO_ESTIMATE, 60, play=1.0, spool=1.04, speed=-0.02)
+    assert learner.forward == NO_ESTIMATE.forward._replace(behind=learner.forward.behind)
+
+
+def test_a_valve_little_beyond_its_overlap_is_searched_for_by_and_by():
+    """0.04 V are less than a flow's noise at once; 4.4 mrad/s for half a second are not."""
+    tops = [learner.forward.deadband for learner in stuck(NO_ESTIMATE, 200, play=0.001, spool=1.04)]
+    assert tops[40] == 0.0
+    assert tops[-1] == pytest.approx(0.04, abs=0.005)
+
+
 def test_an_actuator_ahead_of_its_spool_is_not_owed_for_later():
     course = list(stuck(NO_ESTIMATE._replace(forward=SURE), 60, play=1.0, spool=1.01, speed=0.005))
     assert [learner.forward.behind for learner in course] == [0.0] * 60

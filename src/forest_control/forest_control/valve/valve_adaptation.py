@@ -23,7 +23,8 @@ downwards.
 A shut valve fits no line: no gain explains that nothing flows. Where no flow shows, the driver adds up
 how far the actuator is behind its spool:
 
-- While the deadband is unsure, d goes up to where the spool stands: the servo takes it on.
+- While the deadband is unsure, d goes up to where the spool stands, once it is clear that nothing flows:
+  beside what is expected, or behind by the gear's play. The servo takes the spool on.
 - Behind by more than the position's noise, such an equation tells of d alone.
 - Behind by the gear's play, too, d is unsure again, however sure it was.
 """
@@ -188,11 +189,12 @@ def _update(
     seen = _equation(way, low, edge, law, flow, dt)
     volts_per_speed = (edge.rated_voltage - edge.deadband_voltage) * low.gradient_2
     way = way._replace(behind=_behind(way, seen, dt / volts_per_speed))
-    if way.p_dd > UNSURE and not _shows(seen):
-        return _searched(way, seen, a)
     noise = BEHIND * flow.position_noise
+    stands = way.behind > noise + flow.play
+    if way.p_dd > UNSURE and not _shows(seen):
+        return _searched(way, seen, stands, a)
     x = seen.expected if way.behind <= noise else 0.0
-    if way.behind > noise + flow.play:
+    if stands:
         way = way._replace(p_dd=UNSURE)
     return _bounded(_least_squares(way, seen, max(0.0, x), a, dt), edge, a)
 
@@ -227,13 +229,18 @@ def _behind(way: DirectionEstimate, seen: Equation, way_per_volt: float) -> floa
     return max(0.0, way.behind + missed * way_per_volt)
 
 
-def _searched(way: DirectionEstimate, seen: Equation, a: AdaptationParameters) -> DirectionEstimate:
+def _searched(
+    way: DirectionEstimate, seen: Equation, stands: bool, a: AdaptationParameters
+) -> DirectionEstimate:
     """Return the estimate with d where the spool stands, once it is clear that nothing flows.
 
-    A first search, from which nothing is learnt yet, goes on until a flow shows.
+    That is so at once beside much that is expected, and by and by once the actuator `stands`. A joint that
+    goes backwards falls through its play, and tells no more at once than one that stands. A first search,
+    from which nothing is learnt yet, goes on until a flow shows.
     """
     goes_on = way.p_dd == 1.0 and way.deadband > 0.0
-    if goes_on or seen.expected - seen.flowing > CLEAR * (seen.noise + seen.late):
+    clear = seen.expected - max(0.0, seen.flowing) > CLEAR * (seen.noise + seen.late)
+    if goes_on or clear or stands:
         return way._replace(deadband=min(a.deadband_range, max(way.deadband, seen.excess / seen.share)))
     return way
 
