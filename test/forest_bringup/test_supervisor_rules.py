@@ -198,6 +198,7 @@ def test_the_limits_are_what_the_documents_promise():
     assert 0.3 <= supervisor.DISCOVERY <= 1.0
     assert supervisor.LOOK_PERIOD <= 1.0
     assert 0.2 <= supervisor.ZERO_TIME <= 0.5
+    assert supervisor.LAST_ZERO <= 0.1  # s: as the machine waits for voltages
     assert supervisor.POLL <= 0.01
     assert {signal.SIGINT, signal.SIGTERM, signal.SIGHUP, signal.SIGQUIT} <= {*supervisor.STOP_SIGNALS}
 
@@ -222,6 +223,29 @@ def test_zero_is_said_before_the_stop_and_again_when_all_have_ended(graph_of, gu
     with running(graph, told), pytest.raises(GraphError):
         graph.run()
     assert set(said) == {1, 2}
+
+
+def test_a_driver_that_lives_says_its_zero_before_the_supervisor_does(
+    graph_of, guard, told, diary, monkeypatch
+):
+    monkeypatch.setattr(supervisor, "LAST_ZERO", ENDED_S)
+    graph, ended = graph_of(controller="ends=1", valve_driver="", simulator=""), []
+    guard.on_zero = lambda: ended or ended.append(order(diary, "ended"))
+    with running(graph, told), pytest.raises(GraphError):
+        graph.run()
+    assert ended == [["controller", "valve_driver"]]
+
+
+def test_a_driver_that_hangs_does_not_hold_up_the_supervisors_zero(clock, graph_of, guard, told, diary):
+    graph, said = graph_of(valve_driver="hangs"), []
+    guard.on_zero = lambda: said or said.append(clock.now)
+    with running(graph, told):
+        graph._publish_zero = guard.publish_zero
+        begun = clock.now
+        graph._await_driver()
+        graph._zero_voltage()
+        assert said[0] - begun == pytest.approx(0.1, abs=0.02)
+        graph._processes[0].popen.kill()
 
 
 def test_zero_is_repeated_for_three_tenths_of_a_second(clock, guard, tmp_path):

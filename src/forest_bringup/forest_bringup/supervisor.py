@@ -37,6 +37,7 @@ DISCOVERY = 0.6  # [s] in which another graph in the domain can show itself befo
 LOOK_PERIOD = 1.0  # [s] between later looks
 COMMANDING = ("joystick", "station", "experiment_operator", "controller", "valve_driver")
 COULD_NOT_START = 2  # exit code
+LAST_ZERO = 0.1  # [s] for which a driver that was told to stop may say its own zero first
 ZERO_TIME = 0.3  # [s] for which the supervisor repeats zero voltage after a death
 
 
@@ -234,6 +235,7 @@ class Supervisor:
     def _end_at_zero(self) -> None:
         """Bring the valves to zero, then stop everything."""
         self._stop_commanding_nodes()  # or a living driver would contradict the zero
+        self._await_driver()
         self._zero_voltage()
         self.stop()
         self._zero_voltage()  # again, for a reader that discovered the monitor only meanwhile
@@ -243,6 +245,13 @@ class Supervisor:
         for process in self._processes:
             if process.spec.name in COMMANDING and process.popen.poll() is None:
                 process.popen.send_signal(signal.SIGTERM)
+
+    def _await_driver(self) -> None:
+        """Let a living driver end, for a while: two who talk by turns would be taken for rivals."""
+        end = time.monotonic() + LAST_ZERO
+        driver = [process.popen for process in self._processes if process.spec.name == "valve_driver"]
+        while any(popen.poll() is None for popen in driver) and time.monotonic() < end:
+            time.sleep(POLL)
 
     def _zero_voltage(self) -> None:
         """Publish zero on /valve_voltages for a while: the driver may be the node that died."""
