@@ -2,10 +2,14 @@
 
 A component that `c180_thesis` lacks is neutral numbers in one kernel for all machines. Its cost is measured
 against a kernel in which these numbers are taken for granted, so that LLVM cuts the component's code out.
-Kernels take turns, half a second of the work at a time, and the fastest of each half second counts, so that
-neighbours on the machine disturb little.
+What a component costs that `c180` or `forwarder` has, is measured on the one kernel: against the machine
+without it.
+
+Kernels and machines take turns, half a second of the work at a time, and the fastest of each half second
+counts, so that neighbours on the machine disturb little.
 """
 
+import math
 import time
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any, NamedTuple
@@ -17,7 +21,15 @@ from forest_compile import flat_layout, machine_code
 from forest_compile.entry import Entry
 from forest_compile.frontend import translate
 from forest_description.machine import load_machine
-from forest_sim.equations.plant_parameters import plant_parameters
+from forest_sim.equations.elastic_links import RIGID_LINKS
+from forest_sim.equations.plant_parameters import DriveLaws, PlantParameters, plant_parameters
+from forest_sim.hydraulics.compensator import NO_COMPENSATOR
+from forest_sim.hydraulics.load_holding import NO_HOLDING
+from forest_sim.hydraulics.pump_drive import NO_DRIVE
+from forest_sim.hydraulics.tank_line import NO_LINE
+from forest_sim.mechanics.bristles import NO_BRISTLES
+from forest_sim.mechanics.friction import FRICTIONLESS
+from forest_sim.mechanics.gear import NO_GEAR
 from forest_sim.solver import plant_kernel
 from forest_sim.solver.equilibrium import equilibrium
 from forest_sim.solver.state_recording import STATE
@@ -35,9 +47,25 @@ COMPONENTS: Mapping[str, tuple[str, ...]] = {
     "curved valve": (".curve.",),
     "spool leakage": (".law.leakage.", ".law.edge_ratio."),
 }
+PLAIN = {"play": 0.0, "slew": math.inf, "dead_time": 0.0, "jet": 0.0}  # of a spool
+WITHOUT: Mapping[str, Callable[[PlantParameters], PlantParameters]] = {
+    "bending links": lambda p: p._replace(elastic=RIGID_LINKS),
+    "load-holding valves": lambda p: p.with_axes(holds=0, holding_1=NO_HOLDING, holding_2=NO_HOLDING),
+    "seals' friction": lambda p: p.with_axes(friction=FRICTIONLESS),
+    "gear play, bearing friction": lambda p: p._replace(drive=DriveLaws(0, NO_GEAR, NO_BRISTLES)),
+    "tank line": lambda p: p._replace(tank_line=NO_LINE),
+    "swash plate, engine": lambda p: p._replace(supply=p.supply._replace(drive=NO_DRIVE)),
+    "hysteresis, dead time, slew limit, flow forces": lambda p: _with_lags(p, **PLAIN),
+    "compensators": lambda p: _with_valves(p, compensator=NO_COMPENSATOR),
+    "hanging head": lambda p: p._replace(head=p.head._replace(mass=0.0)),
+}
+FULL = ("c180", "forwarder")  # machines with all that are there
 STEPS = 5  # in a sample: 1 ms
 PIECE = 100  # samples
 HEAD = "| what | ns a step | costs |\n|---|---|---|"
+FULL_HEAD = (
+    "| without | " + " | ".join(f"`{name}`, ns a step | costs" for name in FULL) + " |\n|---|---|---|---|---|"
+)
 Row = dict[str, Any]
 
 
@@ -89,18 +117,14 @@ def measure(seconds: float, repeats: int) -> list[Row]:
     voltages = np.ascontiguousarray(benchmark.step_voltages(benchmark.make("open", seconds), STEPS))
     every = [part for parts in COMPONENTS.values() for part in parts]
     whole = kernel_without(())
+    thesis_p, hoses_p = (plant_parameters(load_machine(name)) for name in ("c180_thesis", "c180_hoses"))
     runners = {
-        "c180_thesis": _runner(whole, "c180_thesis", voltages),
-        **{n: _runner(kernel_without(parts), "c180_thesis", voltages) for n, parts in COMPONENTS.items()},
-        "all of them": _runner(kernel_without(every), "c180_thesis", voltages),
-        "c180_hoses": _runner(whole, "c180_hoses", voltages),
+        "c180_thesis": _runner(whole, thesis_p, voltages),
+        **{n: _runner(kernel_without(parts), thesis_p, voltages) for n, parts in COMPONENTS.items()},
+        "all of them": _runner(kernel_without(every), thesis_p, voltages),
+        "c180_hoses": _runner(whole, hoses_p, voltages),
     }
-    for _ in range(repeats):
-        for piece in range(len(voltages) // (PIECE * STEPS)):
-            for runner in runners.values():
-                spent = _run(runner, piece, voltages)
-                runner.best[piece] = min(runner.best[piece], spent)
-    per_step = {name: 1e9 * sum(r.best) / len(voltages) for name, r in runners.items()}
+    per_step = _in_turns(runners, voltages, repeats)
     thesis = per_step["c180_thesis"]
     return [
         {"what": name, "ns_per_step": ns, "ratio": ns / thesis if name == "c180_hoses" else thesis / ns}
@@ -108,8 +132,46 @@ def measure(seconds: float, repeats: int) -> list[Row]:
     ]
 
 
-def _runner(kernel: machine_code.Kernel, machine: str, voltages: Floats) -> Runner:
-    p = plant_parameters(load_machine(machine))
+def measure_full(seconds: float, repeats: int) -> list[Row]:
+    """Return rows for `FULL` machines, and for them without each component and without all of `WITHOUT`."""
+    voltages = np.ascontiguousarray(benchmark.step_voltages(benchmark.make("open", seconds), STEPS))
+    runners = {}
+    for name in FULL:
+        bare = whole = plant_parameters(load_machine(name))
+        runners[name, "nothing"] = _runner(plant_kernel.KERNEL.kernel(), whole, voltages)
+        for what, less in WITHOUT.items():
+            bare = less(bare)
+            if less(whole) != whole:
+                runners[name, what] = _runner(plant_kernel.KERNEL.kernel(), less(whole), voltages)
+        runners[name, "all of these"] = _runner(plant_kernel.KERNEL.kernel(), bare, voltages)
+    per_step = _in_turns(runners, voltages, repeats)
+    return [
+        {"machine": name, "without": what, "ns_per_step": ns, "costs_ns": per_step[name, "nothing"] - ns}
+        for (name, what), ns in per_step.items()
+    ]
+
+
+def _with_valves(p: PlantParameters, **changes: Any) -> PlantParameters:
+    one, two, three = (valve._replace(**changes) for valve in p.valves)
+    return p._replace(valves=(one, two, three))
+
+
+def _with_lags(p: PlantParameters, **changes: Any) -> PlantParameters:
+    one, two, three = (valve._replace(lag=valve.lag._replace(**changes)) for valve in p.valves)
+    return p._replace(valves=(one, two, three))
+
+
+def _in_turns(runners: Mapping[Any, Runner], voltages: Floats, repeats: int) -> dict[Any, float]:
+    """Return each runner's time of a step [ns]."""
+    for _ in range(repeats):
+        for piece in range(len(voltages) // (PIECE * STEPS)):
+            for runner in runners.values():
+                spent = _run(runner, piece, voltages)
+                runner.best[piece] = min(runner.best[piece], spent)
+    return {name: 1e9 * sum(r.best) / len(voltages) for name, r in runners.items()}
+
+
+def _runner(kernel: machine_code.Kernel, p: PlantParameters, voltages: Floats) -> Runner:
     start = equilibrium(benchmark.START, p)
     state = np.array(flat_layout.packer(start)(start))
     runner = Runner(kernel, np.array(flat_layout.packer(p)(p)), [state], [])
@@ -122,14 +184,14 @@ def _runner(kernel: machine_code.Kernel, machine: str, voltages: Floats) -> Runn
 def _run(
     runner: Runner, piece: int, voltages: Floats, then: Callable[[Floats], None] = lambda _: None
 ) -> float:
-    """Return the time [s] of a piece of the work."""
+    """Return the processor time [s] of a piece of the work."""
     state, record = runner.starts[piece].copy(), np.empty((PIECE, len(STATE)))
     steps, counts = np.full(PIECE, SAMPLE / STEPS), np.full(PIECE, float(STEPS))
     table = voltages[piece * PIECE * STEPS :]
     rows = [row.ctypes.data for row in (state, table, steps, counts, runner.parameters, record)]
-    began = time.perf_counter()
+    began = time.thread_time()
     runner.kernel(rows[0], rows[1], 3, rows[2], rows[3], 1, PIECE, 1, rows[4], rows[5], rows[5])
-    spent = time.perf_counter() - began
+    spent = time.thread_time() - began
     then(state)
     return spent
 
@@ -147,3 +209,14 @@ def table(rows: Iterable[Row]) -> Iterable[str]:
         else:
             what, cost = f"the same, cut out: {row['what']}", f"{100.0 * (row['ratio'] - 1.0):+.1f} %"
         yield f"| {what} | {row['ns_per_step']:.0f} | {cost} |"
+
+
+def full_table(rows: Iterable[Row]) -> Iterable[str]:
+    """Return the rows of `measure_full` as lines of Markdown."""
+    cells = {(row["machine"], row["without"]): row for row in rows}
+    for what in ("nothing", *WITHOUT, "all of these"):
+        line = f"| {what} |"
+        for name in FULL:
+            row = cells.get((name, what))
+            line += f" {row['ns_per_step']:.0f} | {row['costs_ns']:.0f} |" if row else " | |"
+        yield line

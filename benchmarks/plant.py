@@ -134,7 +134,9 @@ def main(argv: list[str] | None = None) -> None:
     if args.components:
         found = components.measure(args.seconds, repeats=50)
         print(components.HEAD, *components.table(found), sep="\n")
-        _write(args.json, found)
+        full = components.measure_full(args.seconds, repeats=10)
+        print("", components.FULL_HEAD, *components.full_table(full), sep="\n")
+        _write(args.json, found + full)
         return
 
     rows: list[Row] = []

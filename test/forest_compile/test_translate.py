@@ -1,6 +1,7 @@
 """Claims that what is translated means what Python means, to the last bit, and that all else is refused."""
 
 import math
+import re
 from enum import IntEnum
 from typing import NamedTuple
 
@@ -220,6 +221,21 @@ def test_so_does_a_stored_row_of_tuples():
 def test_a_function_that_is_not_inlined_is_the_same():
     assert_translated(tuples, points(), (swapped, len_of_powers))
     assert_translated(nested, points(), (choices, loops))
+
+
+def by_way(p):
+    if p.count > 0:
+        return p.x
+    return p.y
+
+
+def test_a_called_function_loads_only_what_its_way_needs():
+    """Loaded at its beginning, the numbers of all ways would wait on the stack."""
+    text = "def kernel(given, row):\n    row[0] = by_way(p)"
+    entry = Entry(text, {"by_way": by_way}, "pp", {"p": ("given", points(1)[0])}, (by_way,))
+    called = translate.llvm_ir(entry).partition("define internal ")[2].partition("\n}")[0]
+    loads = [block.count("= load ") for block in re.split(r"\nb\d+:\n", called)]
+    assert sum(loads) == 3 and max(loads) == 1
 
 
 def filled(row, p):

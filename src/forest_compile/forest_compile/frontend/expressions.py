@@ -22,14 +22,15 @@ from forest_compile.ir.values import (
     NotTranslatedError,
     Record,
     Scalar,
+    Stored,
     Value,
     constant,
     fields,
+    item_shapes,
     items,
     known,
     member,
     number,
-    shape,
 )
 
 
@@ -116,9 +117,9 @@ class Expressions(Arithmetic, ABC):
         at = known(index)
         if at is not None:
             return member(value, at)
-        if not isinstance(value, Record) or len(set(map(shape, value.items))) != 1:
+        if not isinstance(value, Record | Stored) or len(set(item_shapes(value))) != 1:
             raise NotTranslatedError(f"{ast.unparse(node)!r}: only items alike have a variable index")
-        return self.into.chosen(value, self._item_index(index, len(value.items)))
+        return self.into.chosen(value, self._item_index(index, len(item_shapes(value))))
 
     def array_index(self, index: Scalar) -> Scalar:
         """Return an integer that is 0 or more; how long an array is, only its owner knows."""
@@ -267,9 +268,9 @@ class Expressions(Arithmetic, ABC):
 
     def _replaced(self, node: ast.Call, value: Value) -> Record:
         """Return a NamedTuple with some fields changed."""
-        if not isinstance(value, Record) or not fields(value) or node.args:
+        if isinstance(value, Scalar | Array) or not fields(value) or node.args:
             raise NotTranslatedError(f"{ast.unparse(node)!r} is not translated")
-        parts = dict(zip(fields(value), value.items, strict=True))
+        parts = dict(zip(fields(value), items(value), strict=True))
         for word in node.keywords:
             if word.arg not in parts:
                 raise NotTranslatedError(f"{ast.unparse(node)!r}: there is no field {word.arg!r}")

@@ -148,7 +148,7 @@ class _Kernel(Statements):
     def _defined(self, function: FunctionType, shapes: tuple[Shape, ...]) -> tuple[str, Shape]:
         """Write a function of arguments in memory; return its name, and its result's shape."""
         outer, self.into = self.into, Function(self._module)
-        result = self._inlined(function, [self.into.loaded(of, f"%a{i}", 0) for i, of in enumerate(shapes)])
+        result = self._inlined(function, [self.into.stored(of, (f"%a{i}", 0)) for i, of in enumerate(shapes)])
         for i, scalar in enumerate(scalars(result)):
             self.into.store(scalar, "%result", i)
         self.into.end("ret ptr null")

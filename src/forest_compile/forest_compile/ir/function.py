@@ -21,8 +21,11 @@ from forest_compile.ir.values import (
     Record,
     Scalar,
     Shape,
+    Stored,
     Value,
     common_kind,
+    item_shapes,
+    items,
     known,
     number,
     rebuilt,
@@ -143,14 +146,14 @@ class Function:
             self._bounds[value.text] = max([most, *map(self.bound, among)])
         return value
 
-    def element(self, array: str, index: Scalar | int) -> str:
+    def element(self, array: str, index: Scalar | int, block: str | None = None) -> str:
         """Return the address of a number of an array."""
         at = str(index) if isinstance(index, int) else index.text
-        return self.emit(POINTER, f"getelementptr double, ptr {array}, i64 {at}").text
+        return self.emit(POINTER, f"getelementptr double, ptr {array}, i64 {at}", block).text
 
-    def load(self, array: str, index: Scalar | int) -> Scalar:
+    def load(self, array: str, index: Scalar | int, block: str | None = None) -> Scalar:
         """Return a number of an array."""
-        return self.emit(DOUBLE, f"load double, ptr {self.element(array, index)}, align 8")
+        return self.emit(DOUBLE, f"load double, ptr {self.element(array, index, block)}, align 8", block)
 
     def store(self, value: Scalar, array: str, index: Scalar | int) -> None:
         """Write a number to an array."""
@@ -192,11 +195,24 @@ class Function:
             at += size(item)
         return Record(sort, tuple(parts), (array, offset) if constant else None)
 
+    def stored(self, of: Shape, address: tuple[str, int], block: str | None = None) -> Value:
+        """Return a value of a shape that lies in an array and stays as it is while the function runs.
+
+        A number is loaded here, or at the end of a block; of a tuple, each where it is used. Loaded before
+        that, those of ways not taken would be, too, and most would wait on the stack.
+        """
+        array, offset = address
+        if of == POINTER:
+            return Array(array)
+        if isinstance(of, str):
+            return self.converted(self.load(array, offset, block), of, block)
+        return Stored(*of, address, self.stored)
+
     def address(self, value: Value, place: int) -> str:
         """Return the address of a value: where it lies, or on the stack until the next one of this place."""
         if isinstance(value, Array):
             return value.text
-        if isinstance(value, Record) and value.address:
+        if isinstance(value, Record | Stored) and value.address:
             return self.element(*value.address)
         numbers = list(scalars(value))
         array = self.stack(len(numbers), place)
@@ -240,12 +256,12 @@ class Function:
         numbers = [(block, value) for block, value in arrivals if isinstance(value, Scalar)]
         if len(numbers) == len(arrivals):
             return self.joined_number(numbers)
-        records = [value for value in values if isinstance(value, Record)]
-        kinds = {(value.sort, len(value.items)) for value in records}
+        records = [value for value in values if isinstance(value, Record | Stored)]
+        kinds = {(value.sort, len(item_shapes(value))) for value in records}
         if len(records) < len(arrivals) or len(kinds) > 1:
             raise NotTranslatedError("tuples of different types or lengths on different ways")
         blocks = [block for block, _ in arrivals]
-        columns = zip(*(value.items for value in records), strict=True)
+        columns = zip(*map(items, records, blocks), strict=True)
         joined = (self.joined(list(zip(blocks, column, strict=True))) for column in columns)
         return Record(records[0].sort, tuple(joined))
 
@@ -263,31 +279,31 @@ class Function:
 
         The function that comes with it is to be told from which block the loop goes round with which value.
         """
-        ways: list[Incoming] = [[(before, scalar)] for scalar in scalars(value)]
+        ways: list[Incoming] = [[(before, scalar)] for scalar in scalars(value, before)]
         heads = [self.phi(incoming[0][1].kind, incoming) for incoming in ways]
 
         def close(block: str, after: Value) -> None:
-            if not same_structure(after, value):
+            if not same_structure(shape(after), shape(value)):
                 raise NotTranslatedError("a loop makes something of another type or length of a tuple")
             for head, incoming, again in zip(heads, ways, scalars(after), strict=True):
                 if common_kind([head, again]) != head.kind:
                     raise NotTranslatedError("a loop makes a whole number of what is a truth before it")
                 incoming.append((block, self.converted(again, head.kind, block)))
 
-        return rebuilt(value, iter(heads)), close
+        return rebuilt(shape(value), iter(heads)), close
 
-    def chosen(self, value: Record, index: Scalar) -> Value:
+    def chosen(self, value: Record | Stored, index: Scalar) -> Value:
         """Return the item of a tuple of items alike at an index that varies, and is none beyond it."""
-        result, *others = value.items
         if value.address:
-            array, offset = value.address
-            at = self.operate("mul", index, number(size(shape(result))))
+            (alike, *_), (array, offset) = item_shapes(value), value.address
+            at = self.operate("mul", index, number(size(alike)))
             at = self.operate("add", at, number(offset))
-            return self.loaded(shape(result), self.element(array, at), 0)
+            return self.loaded(alike, self.element(array, at), 0)
+        result, *others = items(value)
         for i, other in enumerate(others, start=1):
             here = self.operate("icmp eq", index, number(i))
             pairs = zip(scalars(other), scalars(result), strict=True)
-            result = rebuilt(result, iter([self.select(here, *pair) for pair in pairs]))
+            result = rebuilt(shape(result), iter([self.select(here, *pair) for pair in pairs]))
         return result
 
     def _register(self, kind: str) -> Scalar:

@@ -4,6 +4,7 @@
 |---|---|
 | Scalar | a number in a register, or a constant: `double`, `i64` or `i1` |
 | Record | a tuple, NamedTuple or not, all of whose numbers are scalars; it may lie in memory, too |
+| Stored | a tuple that lies in memory alone; each number is loaded where it is used |
 | Array | doubles in memory, nobody knows how many |
 | shape | what is known of a value before there is one: a scalar's kind, or a record's type and items |
 
@@ -11,7 +12,7 @@ An integer is at most `LARGEST` on either side of zero, so that a double holds i
 """
 
 import struct
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from typing import Any, NamedTuple
 
 DOUBLE, INTEGER, BOOLEAN, POINTER = "double", "i64", "i1", "ptr"
@@ -48,13 +49,22 @@ class Record(NamedTuple):
     address: tuple[str, int] | None = None  # an array and an index there, if it lies in memory
 
 
+class Stored(NamedTuple):
+    """A tuple in memory that stays as it is."""
+
+    sort: type | None  # as of a record
+    shapes: "tuple[Shape, ...]"  # of its items
+    address: tuple[str, int]  # an array and an index there
+    load: "Callable[[Shape, tuple[str, int], str | None], Value]"  # `Function.stored`
+
+
 class Array(NamedTuple):
     """Doubles in memory: the register of their address."""
 
     text: str
 
 
-Value = Scalar | Record | Array
+Value = Scalar | Record | Stored | Array
 Shape = str | tuple[type | None, tuple["Shape", ...]]
 
 
@@ -92,9 +102,14 @@ def known(value: Scalar) -> int | None:
 
 def shape(value: Value) -> Shape:
     """Return the shape of a value."""
-    if isinstance(value, Record):
-        return value.sort, tuple(shape(item) for item in value.items)
+    if isinstance(value, Record | Stored):
+        return value.sort, item_shapes(value)
     return value.kind if isinstance(value, Scalar) else POINTER
+
+
+def item_shapes(value: Record | Stored) -> tuple[Shape, ...]:
+    """Return the shapes of a tuple's items."""
+    return value.shapes if isinstance(value, Stored) else tuple(map(shape, value.items))
 
 
 def size(of: Shape) -> int:
@@ -102,12 +117,18 @@ def size(of: Shape) -> int:
     return 1 if isinstance(of, str) else sum(size(item) for item in of[1])
 
 
-def items(value: Value) -> tuple[Value, ...]:
+def items(value: Value, block: str | None = None) -> tuple[Value, ...]:
     """Return the items of a tuple.
+
+    Args:
+        value: the tuple.
+        block: at whose end those are loaded that lie in memory alone; None: where the function is written.
 
     Raises:
         NotTranslatedError: it is none.
     """
+    if isinstance(value, Stored):
+        return tuple(_stored_item(value, index, block) for index in range(len(value.shapes)))
     if not isinstance(value, Record):
         raise NotTranslatedError("a number or a row is no tuple")
     return value.items
@@ -119,45 +140,50 @@ def member(value: Value, index: int) -> Value:
     Raises:
         NotTranslatedError: it is none, or has no such item.
     """
-    inner = items(value)
-    if not -len(inner) <= index < len(inner):
-        raise NotTranslatedError(f"there is no item {index} in a tuple of {len(inner)}")
-    return inner[index]
+    count = len(value.shapes) if isinstance(value, Stored) else len(items(value))
+    if not -count <= index < count:
+        raise NotTranslatedError(f"there is no item {index} in a tuple of {count}")
+    return _stored_item(value, index % count) if isinstance(value, Stored) else items(value)[index]
+
+
+def _stored_item(value: Stored, index: int, block: str | None = None) -> Value:
+    array, offset = value.address
+    return value.load(value.shapes[index], (array, offset + sum(map(size, value.shapes[:index]))), block)
 
 
 def fields(value: Value) -> tuple[str, ...]:
     """Return the names of a NamedTuple's fields; none if it is something else."""
-    return getattr(value.sort, "_fields", ()) if isinstance(value, Record) else ()
+    return getattr(value.sort, "_fields", ()) if isinstance(value, Record | Stored) else ()
 
 
-def scalars(value: Value) -> Iterator[Scalar]:
-    """Yield the numbers of a value, depth first.
+def scalars(value: Value, block: str | None = None) -> Iterator[Scalar]:
+    """Yield the numbers of a value, depth first; arguments as `items`.
 
     Raises:
         NotTranslatedError: there is an array in it.
     """
-    if isinstance(value, Record):
-        for item in value.items:
-            yield from scalars(item)
+    if isinstance(value, Record | Stored):
+        for item in items(value, block):
+            yield from scalars(item, block)
     elif isinstance(value, Scalar):
         yield value
     else:
         raise NotTranslatedError("a row is no number, and no tuple of numbers")
 
 
-def rebuilt(value: Value, numbers: Iterator[Scalar]) -> Value:
-    """Return a value of the same types and lengths made of other numbers."""
-    if isinstance(value, Record):
-        return Record(value.sort, tuple(rebuilt(item, numbers) for item in value.items))
-    return next(numbers)
+def rebuilt(of: Shape, numbers: Iterator[Scalar]) -> Value:
+    """Return a value of a shape's types and lengths made of numbers."""
+    if isinstance(of, str):
+        return next(numbers)
+    return Record(of[0], tuple(rebuilt(item, numbers) for item in of[1]))
 
 
-def same_structure(one: Value, other: Value) -> bool:
-    """Tell whether two values are tuples of the same types and lengths, or no tuples."""
-    if isinstance(one, Record) and isinstance(other, Record):
-        alike = one.sort == other.sort and len(one.items) == len(other.items)
-        return alike and all(map(same_structure, one.items, other.items))
-    return type(one) is type(other)
+def same_structure(one: Shape, other: Shape) -> bool:
+    """Tell whether two shapes are of tuples of the same types and lengths, or of no tuples."""
+    if isinstance(one, str) or isinstance(other, str):
+        return isinstance(one, str) and isinstance(other, str) and (one == POINTER) == (other == POINTER)
+    alike = one[0] == other[0] and len(one[1]) == len(other[1])
+    return alike and all(map(same_structure, one[1], other[1]))
 
 
 def common_kind(numbers: Sequence[Scalar]) -> str:

@@ -36,6 +36,7 @@ NOINLINE = (
     tank_step.tank_at_midpoint,
     tank_step.returned_flow,
     supply.flow_after,
+    axis_stage._solve_with_chambers,
     axis_stage._solve_with_holding,
     valve_characteristic.curved_opening,
     valve_characteristic.overlap_leakage,

@@ -17,7 +17,7 @@ from forest_sim.hydraulics.load_holding import Restriction, restriction
 from forest_sim.hydraulics.oil_law import held_above_vapour, is_near
 from forest_sim.hydraulics.oil_volume import StageHose, stage_hose
 from forest_sim.mechanics.end_stop import cushion_resistance, end_stop_resistance
-from forest_sim.mechanics.friction import friction_slope
+from forest_sim.mechanics.friction import friction_force, friction_slope
 from forest_sim.mechanics.manipulator import Pair
 from forest_sim.stage.holding_stage import first_flow, held_hose, next_flow
 
@@ -44,6 +44,7 @@ class AxisSolution(NamedTuple):
     known: Pair  # pressures of both sides before the stage's flows [Pa]
     swept: Pair  # oil that port 1 takes and port 2 gives per actuator speed [m^2; m^3/rad]
     lines: tuple[Line, Line]  # as the stage took them: with the chambers' capacitance, the hoses' resistance
+    friction: Pair  # dry friction, which torque and resistance have in them [N], and its slope [N s/m]
 
 
 def solve_axis(
@@ -245,6 +246,10 @@ def _solution(
         known=(hose_1.pressure, hose_2.pressure),
         swept=swept,
         lines=(hose_1.line, hose_2.line),
+        friction=(
+            friction_force(speed, axis.friction, pressures[0], pressures[1]),
+            friction_slope(speed, axis.friction, pressures[0], pressures[1]),
+        ),
     )
 
 

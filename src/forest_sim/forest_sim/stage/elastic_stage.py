@@ -36,9 +36,11 @@ class Rub(NamedTuple):
 
     friction: Friction  # under the chambers' pressures
     arm: float  # d(actuator position)/d(angle)
+    torque: float  # that it takes at the root's guessed rate [N m]
+    resistance: float  # d(torque)/d(rate) there [N m s]
 
 
-SMOOTH = Rub(FRICTIONLESS, 1.0)
+SMOOTH = Rub(FRICTIONLESS, 1.0, 0.0, 0.0)
 LEAST_GIVE = 0.1  # a root that the Stribeck effect lets go yields at most ten times as much
 RUB_ITERATIONS, RUB_TOLERANCE = 40, 1e-9  # [rad/s]
 STIFF = DriveSolution(torque=0.0, resistance=0.0, share=1.0, excess=0.0, give=0.0)
@@ -116,8 +118,8 @@ def _solve_link(
     passed = elastic_torque(base.angle + h * root_rate - angle, root_rate - rate, link)
     stiff = link.damping + h * link.stiffness
     if rub.friction.breakaway > 0.0:
-        torque += rub_torque(root_rate, rub)
-        resistance -= rub_resistance(root_rate, rub)
+        torque += rub.torque
+        resistance -= rub.resistance
     give = 1.0 / (link.inertia + h * (resistance + stiff))
     excess = give * (link.inertia * (root_rate - base.rate) + h * (passed - torque))
     if rub.friction.breakaway > 0.0:
@@ -152,24 +154,28 @@ def rubbing_rate(free: float, guess: float, give: float, rub: Rub) -> float:
 
     Args:
         free: rate without friction [rad/s].
-        guess: rate near the one sought [rad/s].
+        guess: rate near the one sought, that of `rub` [rad/s].
         give: change of the rate by a torque [1/(N m s)].
         rub: the friction.
     """
     low, high = min(0.0, free), max(0.0, free)
-    rate = min(high, max(low, guess))
+    rate, torque, resistance = guess, rub.torque, rub.resistance
+    if not low <= guess <= high:
+        rate = min(high, max(low, guess))
+        torque, resistance = rub_torque(rate, rub), rub_resistance(rate, rub)
     for _ in range(RUB_ITERATIONS):
-        off = rate + give * rub_torque(rate, rub) - free
+        off = rate + give * torque - free
         if off > 0.0:
             high = rate
         else:
             low = rate
-        slope = 1.0 + give * rub_resistance(rate, rub)
+        slope = 1.0 + give * resistance
         newton = off / slope if slope > 0.0 else high - low
         if abs(newton) <= RUB_TOLERANCE:
             rate -= newton
             break
         rate = rate - newton if low < rate - newton < high else 0.5 * (low + high)
+        torque, resistance = rub_torque(rate, rub), rub_resistance(rate, rub)
     return rate
 
 

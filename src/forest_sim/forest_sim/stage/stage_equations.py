@@ -156,7 +156,9 @@ def _drive_train(
 
 def _rub(axis: AxisSolution, arm: float, constants: Axis) -> Rub:
     """Return the dry friction of a solved axis."""
-    return Rub(pressed(constants.friction, axis.one.pressure, axis.two.pressure), arm)
+    force, slope = axis.friction
+    friction = pressed(constants.friction, axis.one.pressure, axis.two.pressure)
+    return Rub(friction, arm, torque=arm * force, resistance=arm * arm * slope)
 
 
 def equations_again(
