@@ -3,6 +3,7 @@
 | input | is |
 |---|---|
 | levers | voltages that sweep at 0.3 to 0.5 Hz over 60 % of the rated ones |
+| drawn levers | the same with amplitudes, frequencies and phases drawn: 30 to 90 %, 0.25 to 0.6 Hz |
 | jumps | voltages that jump every 0.4 s, to any within a share of the rated ones |
 """
 
@@ -23,7 +24,7 @@ from forest_sim.solver.step_schedule import even
 
 SECONDS, HELD = 8.0, 0.02  # [s] of a run; of each voltage
 FINE, STEPS = 6.25e-5, (1e-3, 5e-4, 2.5e-4)  # [s]
-SEEDS = 8  # of jumps, of which the worst counts
+SEEDS = 8  # of drawn levers and of jumps, of which the worst counts
 START = (0.0, 0.4, -1.4)  # [rad]
 ANGLES = [STATE.index(f"{axis}_angle") for axis in ("swing", "boom", "stick")]
 
@@ -33,6 +34,18 @@ def levers(time: Floats) -> Floats:
     hertz, phase = np.array([0.31, 0.43, 0.53]), np.array([0.2, 1.5, 2.9])
     swept: Floats = 0.6 * np.sin(2.0 * math.pi * hertz * time[:, np.newaxis] + phase)
     return swept
+
+
+def drawn_levers(stream: int) -> Callable[[Floats], Floats]:
+    """Return voltages over the rated one, [N, 3], as a function of the time."""
+    rng = np.random.default_rng(100 + stream)
+    hertz, phase, share = (rng.uniform(*span, 3) for span in ((0.25, 0.6), (0.0, 2.0 * math.pi), (0.3, 0.9)))
+
+    def at(time: Floats) -> Floats:
+        swept: Floats = share * np.sin(2.0 * math.pi * hertz * time[:, np.newaxis] + phase)
+        return swept
+
+    return at
 
 
 def jumps(share: float, stream: int) -> Callable[[Floats], Floats]:
@@ -48,6 +61,7 @@ def jumps(share: float, stream: int) -> Callable[[Floats], Floats]:
 
 INPUTS = {
     "levers": (levers,),
+    "drawn levers": tuple(drawn_levers(stream) for stream in range(SEEDS)),
     "jumps, 60 %": tuple(jumps(0.6, stream) for stream in range(SEEDS)),
     "jumps, 100 %": tuple(jumps(1.0, stream) for stream in range(SEEDS)),
 }

@@ -14,7 +14,7 @@ from forest_sim.solver.equilibrium import equilibrium
 
 MACHINES = ("c180_thesis", "c180_hoses", "c180", "forwarder", "loader")
 FINE, LIMIT = 6.25e-5, 5e-5  # s, rad
-FORWARDER = 7e-5  # [rad] pilot lines with ratio 1 follow the ports as strongly as the load does
+FORWARDER = 7e-5  # [rad] port valves that open within a step make the tank line jump; seals stick and slip
 HELD = 0.02  # [s] of each voltage
 
 

@@ -8,6 +8,7 @@ from forest_sim.midpoint.load_sensing import load_weights
 from forest_sim.solver import integrator
 from forest_sim.solver.equilibrium import equilibrium
 from forest_sim.stage import stage_equations
+from forest_sim.stage.supply_stage import AxisDraw, load_sensing
 
 CASES = [("loader", (0.0, 3.0, 0.0)), ("loader", (0.0, 0.0, -3.0)), ("forwarder", (0.0, 0.0, -3.0))]  # [V]
 
@@ -64,3 +65,24 @@ def test_a_load_counts_by_its_share_of_the_step():
     assert load_weights((1.0, 3.0, 7.0), (0.25, 1.0, 0.0)) == (0.0, 1.0, 0.0)
     assert load_weights((4.0, 3.0, 7.0), (0.5, 0.0, 0.0)) == (0.5, 0.0, 0.0)
     assert load_weights((-4.0, 0.0, 0.0), (1.0, 0.5, 0.0)) == (0.0, 0.0, 0.0)
+
+
+def draw(load, share):
+    """An axis that shows a load [Pa] for a share of the step, and more with P_s and with its speed."""
+    return AxisDraw(1e-3, 0.0, 0.0, load, 0.5, 1e6, share, (0.0, 0.0))
+
+
+def test_a_load_above_the_lines_relief_counts_by_its_share_of_the_step_too():
+    """The line's relief valve leaves 21.6 MPa of 29: they count for a quarter of the step."""
+    pump = plant_parameters(load_machine("forwarder")).supply
+
+    def after(load, share):
+        return load_sensing(
+            14e6, draw(load, share), draw(12e6, 1.0), draw(0.0, 0.0), (1.0, 1.0, 1.0), 3e-4, pump
+        )
+
+    (none, _), (quarter, control), (whole, _) = after(0.0, 0.0), after(29e6, 0.25), after(29e6, 1.0)
+    assert whole - none > 5e4
+    assert quarter - none == pytest.approx(0.25 * (whole - none), rel=1e-9)
+    assert control.by_rate[0] == 0.0 < control.by_rate[1]
+    assert after(20e6, 0.25)[1].by_rate[0] > 0.0

@@ -87,7 +87,7 @@ def supply_error(
     three = _axis_draw(axes[2], ports[2], supply, h)
     reference, control = base.reference, NO_CONTROL
     if p.supply.rate > 0.0:
-        reference, control = _load_sensing(reference, one, two, three, arms, h, p.supply)
+        reference, control = load_sensing(reference, one, two, three, arms, h, p.supply)
     pump = pump_flow(supply, reference, p.supply)
     if p.supply.drive.present:
         pump = flow_after(SupplyState(supply, reference), known, h, p.supply).flow
@@ -114,10 +114,21 @@ def supply_error(
     )
 
 
-def _load_sensing(
+def load_sensing(
     before: float, one: AxisDraw, two: AxisDraw, three: AxisDraw, arms: Vec3, h: float, supply: Supply
 ) -> tuple[float, Control]:
-    """Return P_r [Pa] at the stage's end, which follows the highest load, and how it follows the iterate."""
+    """Return P_r [Pa] at the stage's end, which follows the highest load, and how it follows the iterate.
+
+    Args:
+        before: P_r's known part [Pa].
+        one: what the swing asks.
+        two: what the boom asks.
+        three: what the stick asks.
+        arms: d(actuator speed)/d(joint rate).
+        h: the stage's implicit step [s].
+        supply: constants of the pump.
+    """
+    one, two, three = _relieved(one, supply), _relieved(two, supply), _relieved(three, supply)
     loads, shares = (one.load, two.load, three.load), (one.sensed, two.sensed, three.sensed)
     w = load_weights(loads, shares)
     load = w[0] * loads[0] + w[1] * loads[1] + w[2] * loads[2]
@@ -132,6 +143,17 @@ def _load_sensing(
         ),
     )
     return reference, control
+
+
+def _relieved(axis: AxisDraw, supply: Supply) -> AxisDraw:
+    """Return an axis that shows the line for a share of a step no more than its relief valve leaves.
+
+    Clipped after the mean, a load above it would count for more than its share.
+    """
+    highest = supply.set_pressure - supply.margin
+    if axis.sensed == 1.0 or axis.load <= highest:
+        return axis
+    return axis._replace(load=highest, load_by_supply=0.0, load_by_speed=0.0)
 
 
 def _axis_draw(axis: AxisSolution, ports: Ports, supply: float, h: float) -> AxisDraw:
