@@ -1,9 +1,12 @@
-"""A browser for all tests of a module: starting one takes a second."""
+"""A browser, and pages of it, for all tests of a module: starting one takes a second."""
+
+from collections.abc import Iterator
 
 import pytest
-from browser import launched
-from page_stand_in import ADDRESS, serve_file
-from playwright.sync_api import Error, sync_playwright
+from browser import DESKTOP, PHONE, launched
+from page_stand_in import ADDRESS, PageStandIn, serve_file
+from paused_page import opened
+from playwright.sync_api import Browser, Error, sync_playwright
 
 
 @pytest.fixture(scope="module")
@@ -45,3 +48,34 @@ def js(browser):
     page.goto(ADDRESS + "/")
     yield call
     page.close()
+
+
+@pytest.fixture(scope="module")
+def desktop(browser: Browser) -> PageStandIn:
+    """The page for all tests: to open one costs more than they do."""
+    return opened(browser, DESKTOP)
+
+
+@pytest.fixture(scope="module")
+def phone(browser: Browser) -> PageStandIn:
+    """The page on a phone."""
+    return opened(browser, PHONE)
+
+
+@pytest.fixture
+def met(desktop: PageStandIn) -> PageStandIn:
+    """The page at rest."""
+    desktop.page.evaluate("pads.length = 0")
+    desktop.rest()
+    return desktop
+
+
+@pytest.fixture
+def sized(met: PageStandIn, request: pytest.FixtureRequest) -> Iterator[tuple[int, int]]:
+    """The page in a window of another size [px]."""
+    before = met.page.viewport_size
+    assert before is not None
+    width, height = request.param
+    met.page.set_viewport_size({"width": width, "height": height})
+    yield width, height
+    met.page.set_viewport_size(before)

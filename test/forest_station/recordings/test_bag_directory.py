@@ -87,3 +87,9 @@ def test_a_name_that_is_taken_is_refused_also_by_a_broken_link(bags):
     for name in ("coordinated", "demo", "broken"):
         with pytest.raises(BagError, match="no bag is overwritten"):
             bags.new(name)
+
+
+def test_however_many_bags_there_are_none_is_left_out(tmp_path):
+    for number in range(600):
+        (tmp_path / f"{number}.mcap").touch()
+    assert len(BagDirectory(tmp_path).entries()) == 600
