@@ -120,7 +120,7 @@ def test_a_record_that_asks_for_more_than_a_person_may_have_told_wrong_is_a_doub
         return verdict(result)
 
     assert list(said(-12.4).doubts) == ["boom.damping"]
-    assert "would move stick.rod_area, which is told, by 12 of its" in said(-12.4).lines[1]
+    assert "asks for stick.rod_area 12 standard deviations from what is told" in said(-12.4).lines[1]
     assert said(2.5).code == TRUSTED
 
 

@@ -87,11 +87,12 @@ def _doubts(result: Result) -> dict[str, str]:
         for key in r.free
     ]
     for r in result.refined:
-        worst, number = max(zip(np.abs(r.fit.asked).tolist(), result.stated, strict=False), default=(0.0, ""))
-        if worst > ASKED:
+        far, number = max(zip(np.abs(r.fit.asked).tolist(), result.stated, strict=False), default=(0.0, ""))
+        if far > ASKED:
             said = (
-                f"what is left of {r.session.name} would move {number}, which is told, by {worst:.0f} of its "
-                "standard deviations: the search has ended in a wrong place, or the model lacks something"
+                f"what is left of {r.session.name} asks for {number} {far:.0f} standard deviations from what "
+                "is told: told numbers are wrong, the search ended in a wrong place, or the model lacks "
+                "something; its interval holds none of that"
             )
             pairs += [(key, said) for key in r.free]
         odd = [t for t in r.tests if t.times > LEFT and (t.correlation or 0.0) > CORRELATED]
