@@ -235,7 +235,8 @@ def test_a_called_function_loads_only_what_its_way_needs():
     entry = Entry(text, {"by_way": by_way}, "pp", {"p": ("given", points(1)[0])}, (by_way,))
     called = translate.llvm_ir(entry).partition("define internal ")[2].partition("\n}")[0]
     loads = [block.count("= load ") for block in re.split(r"\nb\d+:\n", called)]
-    assert sum(loads) == 3 and max(loads) == 1
+    assert sum(loads) == 3
+    assert max(loads) == 1
 
 
 def filled(row, p):
