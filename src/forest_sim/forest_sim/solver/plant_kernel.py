@@ -38,6 +38,7 @@ NOINLINE = (
     supply.flow_after,
     axis_stage._solve_with_chambers,
     axis_stage._solve_with_holding,
+    axis_stage._tangents,
     valve_characteristic.curved_opening,
     valve_characteristic.overlap_leakage,
     implicit_stage._iterate_further,

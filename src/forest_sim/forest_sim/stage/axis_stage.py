@@ -94,7 +94,7 @@ def _solve_with_chambers(
     guard: PortGuard,
     h: float,
 ) -> AxisSolution:
-    """Do as `solve_axis` where the oil of hose and chamber is one volume.
+    """Do as `solve_axis` where the oil of hose and chamber is one volume; not inlined.
 
     Oil with air is not linear in the pressure: its tangent is moved until it is near enough. A
     piston takes no oil from its chamber, but moves its wall.
@@ -184,7 +184,10 @@ def _tangents(
     guard: PortGuard,
     h: float,
 ) -> tuple[LineSolution, LineSolution, StageHose, StageHose]:
-    """Return both hoses along tangents at pressures [Pa] and at flows through load-holding valves [m^3/s]."""
+    """Return both hoses along tangents at pressures [Pa] and at flows through load-holding valves [m^3/s].
+
+    Not inlined.
+    """
     hose_1 = stage_hose(base.pressure_1, base.flow_1, t.position, near[0], axis.line_1, axis.oil_1, h)
     hose_2 = stage_hose(base.pressure_2, -base.flow_2, t.position, near[1], axis.line_2, axis.oil_2, h)
     hose_1 = held_hose(hose_1, flows[0], held[0], h)
