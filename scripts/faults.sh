@@ -14,6 +14,7 @@ trap 'rm -rf -- "$out"' EXIT
 cd "$root"
 code=0
 "$venv/bin/forest-study" faults "$@" --out "$out/faults" || code=$?
+[[ -e $out/faults/faults.md ]] || exit "$code" # wrong arguments, or only asked for help
 first=()
 if chrt --rr 1 true 2>/dev/null; then first=(chrt --rr 1); fi
 LIVE_FAULTS=3 LIVE_FAULTS_OUT=$out/live.jsonl "${first[@]}" "$venv/bin/python" -m pytest -q \
@@ -21,5 +22,6 @@ LIVE_FAULTS=3 LIVE_FAULTS_OUT=$out/live.jsonl "${first[@]}" "$venv/bin/python" -
 {
     cat -- "$out/faults/faults.md"
     PYTHONPATH=test/helpers "$venv/bin/python" test/helpers/live_faults.py "$out/live.jsonl"
-} >docs/explanation/faults.md
+} >"$out/page.md"
+cp -- "$out/page.md" docs/explanation/faults.md
 exit "$code"

@@ -157,3 +157,20 @@ def test_each_part_is_installed_when_it_is_asked_for_and_once(checkout):
     assert setup() == setup("dev") == ""  # what the tests need is no business of the others
     setup("test")
     assert there() == {"part", "part_test", "part_dev", "part_docs", "part_more"}
+
+
+@pytest.mark.parametrize(("arguments", "code"), [("--help", 0), ("--seeds", 2)])
+def test_without_figures_the_page_of_the_faults_stays(tmp_path, arguments, code):
+    for folder in ("scripts", "docs/explanation", "bin"):
+        (tmp_path / folder).mkdir(parents=True)
+    shutil.copy(ROOT / "scripts/faults.sh", tmp_path / "scripts")
+    (tmp_path / "scripts/setup.sh").write_text(f"root={tmp_path} venv={tmp_path}\n", encoding="utf-8")
+    page = tmp_path / "docs/explanation/faults.md"
+    page.write_text("bounds", encoding="utf-8")
+    study = f'#!/bin/sh\nexec {sys.executable} -m forest_study.cli "$@"\n'
+    for name, text in (("forest-study", study), ("python", "#!/bin/sh\n")):
+        (tmp_path / "bin" / name).write_text(text, encoding="utf-8")
+        (tmp_path / "bin" / name).chmod(0o755)
+    ended = subprocess.run(["bash", tmp_path / "scripts/faults.sh", arguments], capture_output=True)
+    assert ended.returncode == code
+    assert page.read_text("utf-8") == "bounds"
