@@ -6,6 +6,8 @@
 | left_y, up positive | tip away, +x | stick out |
 | right_y, up positive | tip up, +z | boom up |
 
+How fast a deflection moves the tip is the operator's profile (`operator_profile`).
+
 The deadman is a button that must be held (left shoulder by default): without it, everything stands
 still.
 """
