@@ -124,6 +124,14 @@ def test_a_component_that_is_cut_out_was_doing_nothing(benchmark):
     assert translate.llvm_ir(entry)  # what is left is a kernel, too
 
 
+def test_a_component_that_is_taken_away_was_there(benchmark):
+    components = benchmark("components")
+    whole = [plant_parameters(load_machine(name)) for name in components.FULL]
+    for less in components.WITHOUT.values():
+        assert any(less(p) != p for p in whole)
+        assert all(less(less(p)) == less(p) for p in whole)
+
+
 def test_recorder_s_table_compares_with_the_bare_node(benchmark):
     row = {"sent": 1000, "heard": 1000, "memory_growth_mb": 0.0}
     rows = [
