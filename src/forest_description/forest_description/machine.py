@@ -224,10 +224,9 @@ class Machine(ParameterSet):
         ):
             if link is not None:
                 link.require_stiff(f"{name}.elasticity", torque, of)
-                link.require_light(
-                    f"{name}.elasticity", sum(p.inertia + p.mass * p.distance**2 for p in parts)
-                )
-                link.require_springy(f"{name}.elasticity")
+                carried = sum(part.inertia + part.mass * part.distance**2 for part in parts)
+                link.require_light(f"{name}.elasticity", carried)
+                link.require_springy(f"{name}.elasticity", carried)
 
     def _check_joints(self) -> None:
         """Raise unless boom and stick go where the kinematics are made for."""

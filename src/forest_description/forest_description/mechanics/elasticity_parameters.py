@@ -20,13 +20,13 @@ class Elasticity(ParameterSet):
         "kg*m2", 1e-2, 1e5, "of what turns with the joint before the link gives way"
     )
 
-    def require_springy(self, name: str) -> None:
-        """Raise unless the root swings on the link's stiffness; critically damped it would creep."""
-        critical = 2.0 * math.sqrt(self.stiffness * self.root_inertia)
+    def require_springy(self, name: str, carried: float) -> None:
+        """Raise unless what the link carries [kg m^2] swings on it; critically damped it would creep."""
+        critical = 2.0 * math.sqrt(self.stiffness * carried)
         if self.damping >= critical:
             raise MachineError(
                 f"{name}.damping ({self.damping:g} N*m*s/rad): the link would creep rather than swing; "
-                f"allowed: below {critical:.4g} N*m*s/rad, the critical damping of root_inertia on stiffness"
+                f"allowed: below {critical:.4g} N*m*s/rad, critical for the outstretched crane on stiffness"
             )
 
     def require_light(self, name: str, carried: float) -> None:
