@@ -9,6 +9,7 @@ import itertools
 import os
 import random
 import re
+import signal
 import socket
 import sys
 import time
@@ -39,6 +40,9 @@ MET_S = 30.0  # at which a test fails rather than hangs; on a busy machine a nod
 os.environ["ROS_AUTOMATIC_DISCOVERY_RANGE"] = "LOCALHOST"
 os.environ["PYTHONFAULTHANDLER"] = "1"
 os.environ["FASTRTPS_DEFAULT_PROFILES_FILE"] = str(Path(forest_msgs_py.__file__).with_name("loopback.xml"))
+
+# A suite that `nohup` or a batch system starts hands on that the hang-up is to be ignored.
+signal.signal(signal.SIGHUP, signal.SIG_DFL)
 
 # Properties draw from their own text, not by chance, and keep nothing between runs.
 hypothesis.configuration.set_hypothesis_home_dir(Path(__file__).parents[1] / ".pytest_cache" / "hypothesis")
