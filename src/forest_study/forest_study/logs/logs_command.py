@@ -24,13 +24,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add("--mode", nargs="+", choices=MODES, default=list(MODES[:3]), help=text)
     text = "novice, expert, or files (default: both); live: a person, from --bag"
     add("--operator", nargs="+", default=["novice", "expert"], metavar="MODEL", help=text)
-    add(
-        "--seeds",
-        type=whole(1, 100_000),
-        default=10,
-        metavar="N",
-        help="persons, two or more for intervals; default: %(default)s",
-    )
+    text = "persons, two or more for intervals; default: %(default)s"
+    add("--seeds", type=whole(1, 100_000), default=10, metavar="N", help=text)
     text = "round trips of the joystick's link, s; default: 0"
     add("--trip", nargs="+", type=number(0.0, 1.0, "s"), default=[0.0], metavar="T", help=text)
     add("--bag", type=Path, metavar="BAG", help="a person's recorded run, for --operator live")

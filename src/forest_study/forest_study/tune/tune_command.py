@@ -26,13 +26,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add("--machine", default="c180", metavar="NAME|FILE", help="default: %(default)s")
     text = f"of the matrix, whose plants are driven: {', '.join(rows)} (default: plain)"
     add("--row", nargs="+", choices=rows, default=["plain"], metavar="NAME", help=text)
-    add(
-        "--seeds",
-        type=whole(2, 1000),
-        default=8,
-        metavar="N",
-        help="plants, 2 at least (default: %(default)s)",
-    )
+    text = "plants, 2 at least (default: %(default)s)"
+    add("--seeds", type=whole(2, 1000), default=8, metavar="N", help=text)
     text = "plants that judge, none of the search's; 2 at least (default: %(default)s)"
     add("--unseen", type=whole(2, 1000), default=24, metavar="N", help=text)
     text = f"gains that are tried at most; {LEAST} at least (default: %(default)s)"
