@@ -99,17 +99,17 @@ def test_a_topic_comes_with_its_definition_and_is_subscribed_to_while_a_client_w
             await client.until(lambda: name in client.channels)
             assert graph.joints.get_subscription_count() == 0
             number = await client.subscribe(name)
-            while not client.messages[name]:
+            heard = asyncio.ensure_future(client.until(lambda: client.messages[name]))
+            while not heard.done():
                 graph.joints.publish(messages.joint_state(topics.JOINTS, 7, (0.1, 0.2, 0.3)))
-                await asyncio.wait(
-                    [asyncio.ensure_future(client.until(lambda: client.messages[name]))], timeout=0.1
-                )
+                await asyncio.wait([heard], timeout=0.1)
+            await heard
             await client.ask("unsubscribe", subscriptionIds=[number])
             while graph.joints.get_subscription_count():
                 await asyncio.sleep(0.01)
             return client.channels[name], client.messages[name][0]
 
-    channel, message = asyncio.run(session())
+    channel, message = asyncio.run(asyncio.wait_for(session(), LIMIT_S))
     assert (channel["encoding"], channel["schemaName"]) == ("cdr", "sensor_msgs/msg/JointState")
     assert list(message.name) == list(topics.JOINTS)
     assert list(message.position) == [0.1, 0.2, 0.3]

@@ -31,7 +31,7 @@ class FoxgloveClient:
         while not condition():
             told = await self._socket.receive(timeout=LIMIT_S)
             if told.type == aiohttp.WSMsgType.TEXT:
-                self._hear(json.loads(told.data))
+                await self._hear(json.loads(told.data))
             elif told.type == aiohttp.WSMsgType.BINARY:
                 self._take(told.data)
             else:
@@ -45,8 +45,12 @@ class FoxgloveClient:
         self._wanted[len(self._wanted)] = topic, DecoderFactory().decoder_for(channel["encoding"], schema)
         self.messages[topic] = []
         number = len(self._wanted) - 1
-        await self.ask("subscribe", subscriptions=[{"id": number, "channelId": channel["id"]}])
+        await self._subscribe(number, topic)
         return number
+
+    async def _subscribe(self, number, topic):
+        channel = self.channels[topic]
+        await self.ask("subscribe", subscriptions=[{"id": number, "channelId": channel["id"]}])
 
     async def ask(self, op, **arguments):
         """Send a request."""
@@ -68,12 +72,15 @@ class FoxgloveClient:
         await self.until(lambda: self._made in self.answers or self._made in self.failures)
         return self.answers.get(self._made) or self.failures[self._made]
 
-    def _hear(self, told):
+    async def _hear(self, told):
         match told["op"]:
             case "serverInfo":
                 self.info = told
             case "advertise":
                 self.channels |= {channel["topic"]: channel for channel in told["channels"]}
+                for number, (topic, _) in self._wanted.items():
+                    if topic in {channel["topic"] for channel in told["channels"]}:  # again: it was gone
+                        await self._subscribe(number, topic)
             case "advertiseServices":
                 self.services |= {service["name"]: service for service in told["services"]}
             case "parameterValues":
