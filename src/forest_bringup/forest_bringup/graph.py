@@ -198,14 +198,14 @@ def parse_options(arguments: Sequence[str] | None) -> argparse.Namespace:
     parser = argparse.ArgumentParser(prog="scripts/graph.sh", description="Run the live graph until Ctrl-C.")
     add_graph_options(parser)
     add_part_option(parser)
-    parser.add_argument("--no-simulator", action="store_true", help="iron is behind the topics")
+    parser.add_argument("--no-simulator", action="store_true", help="a real crane is behind the topics")
     parser.add_argument("--shadow", action="store_true", help="compute everything, publish no voltage")
     parser.add_argument(
         "--joystick",
         type=joystick_source,
         metavar="thesis|FILE.csv|BAG|device|/dev/input/…|FILE.yaml",
-        help="play this once, or read the gamepad, the device, or those of a mapping file; "
-        "default: /joy is yours",
+        help="thesis' input, CSV or bag, played once; or a gamepad, a device, or those of a mapping file "
+        "(default: another node publishes /joy)",
     )
     parser.add_argument(
         "--viewer", action="store_true", help="publish all joints, frames and markers for RViz and the like"
@@ -216,10 +216,12 @@ def parse_options(arguments: Sequence[str] | None) -> argparse.Namespace:
         metavar="PORT",
         help="--viewer, and serve Foxglove and Lichtblick at ws://127.0.0.1:PORT (usual: 8765)",
     )
-    parser.add_argument("--record", type=Path, metavar="DIR", help="record a bag there")
-    parser.add_argument("--cycles", type=Path, metavar="DIR", help="taught work: cycles are kept there")
-    parser.add_argument("--twist", action="store_true", help="follow a program's delta_twist_cmds")
-    parser.add_argument("--monitor", action="store_true", help="tell on /diagnostics what is wrong with it")
+    parser.add_argument("--record", type=Path, metavar="DIR", help="record a bag into this directory")
+    parser.add_argument("--cycles", type=Path, metavar="DIR", help="directory of taught cycles")
+    parser.add_argument(
+        "--twist", action="store_true", help="follow a program's velocity commands on delta_twist_cmds"
+    )
+    parser.add_argument("--monitor", action="store_true", help="report faults of the machine on /diagnostics")
     return parser.parse_args(arguments)
 
 

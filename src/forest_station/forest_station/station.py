@@ -40,12 +40,12 @@ def parse_options(arguments: Sequence[str] | None) -> argparse.Namespace:
         "--bags", type=Path, default=Path("bags"), metavar="DIR", help="directory of the bags"
     )
     parser.add_argument(
-        "--cycles", type=Path, default=Path("cycles"), metavar="DIR", help="directory of taught work"
+        "--cycles", type=Path, default=Path("cycles"), metavar="DIR", help="directory of taught cycles"
     )
     parser.add_argument(
         "--certificate", type=Path, metavar="FILE", help="TLS certificate; default: one is made"
     )
-    parser.add_argument("--key", type=Path, metavar="FILE", help="its key")
+    parser.add_argument("--key", type=Path, metavar="FILE", help="private key of the certificate")
     parser.add_argument("--no-browser", action="store_true", help="print the page's address only")
     return parser.parse_args(arguments)
 

@@ -49,48 +49,60 @@ COMMANDS = (
     Command(
         "track",
         "tracking.track_command",
-        "the tip along a path, closed loop: how far it is from where it should be",
+        "drive the tip along a path in closed loop and measure its errors",
     ),
     Command(
         "matrix",
         "matrix.matrix_command",
-        "plants hidden from the controller, drawn by seed: the worst of them",
+        "drive drawn plants that the controller does not know, and print the worst",
     ),
     Command(
         "tune",
         "tune.tune_command",
-        "gains for a machine file, searched for on the matrix' plants and judged on others; a profile",
+        "search gains for a machine file on drawn plants, judge them on others, and write a profile",
     ),
     Command(
         "faults",
         "faults.faults_command",
-        "faults in every state: time to zero voltage, the tip's way, what is told",
+        "inject faults in every state: time to zero voltage, distance of the tip, message",
     ),
     Command(
         "ablation",
         "ablation.ablation_command",
-        "control without each mechanism, or its constants halved and doubled",
+        "drive without each mechanism of control, or with its constants halved and doubled",
     ),
-    Command("cycles", "ablation.cycles_command", "limit cycles of a misjudged overlap: told and simulated"),
-    Command("delay", "latency.delay_study", "late links: tracking and stopping against 0 to 600 ms"),
-    Command("placing", "latency.placing", "reaching and placing behind a late link, by a simulated operator"),
-    Command("replay", "demo.replay", "nodes fed from a bag in lockstep: do they answer as they did?"),
-    Command("timing", "latency.timing", "how late a live bag's messages were, and what that costs the tip"),
+    Command("cycles", "ablation.cycles_command", "predict and simulate limit cycles of a misjudged overlap"),
+    Command("delay", "latency.delay_study", "measure tracking and stopping behind links of 0 to 600 ms"),
+    Command("placing", "latency.placing", "let a simulated operator reach and place behind a late link"),
     Command(
-        "bode", "stability.bode_command", "each joint's position loop: Bode plot, gain and phase margins"
+        "replay",
+        "demo.replay",
+        "feed nodes from a bag in lockstep and compare their answers with the recorded ones",
     ),
-    Command("sway", "tracking.sway_command", "the hanging head after a stop, with anti-sway and without"),
-    Command("logs", "logs.logs_command", "logs from the ground to the bunk and back, by simulated operators"),
-    Command("sweep", "sweep.sweep_command", "thousands of runs from a study's file, resumable"),
+    Command(
+        "timing", "latency.timing", "measure how late a live bag's messages were, and what that costs the tip"
+    ),
+    Command(
+        "bode",
+        "stability.bode_command",
+        "draw the Bode plot of each joint's position loop, with gain and phase margins",
+    ),
+    Command(
+        "sway",
+        "tracking.sway_command",
+        "measure the sway of the hanging head after a stop, with anti-sway and without",
+    ),
+    Command("logs", "logs.logs_command", "let simulated operators load and unload logs"),
+    Command("sweep", "sweep.sweep_command", "make the runs of a study file, by the thousand, resumable"),
     Command(
         "baseline",
         "learning.baseline_command",
-        "our controller and simple policies on the drawn tasks of the Gymnasium environment",
+        "compare our controller with simple policies on the Gymnasium environment",
     ),
     Command(
         "diagnosis",
         "diagnosis.diagnosis_command",
-        "the monitor's false alarms and detections, from sweeps of kind diagnosis",
+        "count the monitor's detections and false alarms in sweeps of kind diagnosis",
     ),
 )
 

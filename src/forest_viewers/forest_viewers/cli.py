@@ -29,10 +29,14 @@ def _parser() -> argparse.ArgumentParser:
     verbs = parser.add_subparsers(title="verbs", required=True, metavar="VERB")
     text = "write a bag again with all joints and frames, to be dragged into Foxglove or Lichtblick"
     frames = subcommand(verbs, "frames", text, _frames)
-    frames.add_argument("bag", type=Path, help="a bag's directory, or a file of it; it is left as it is")
-    frames.add_argument("-o", "--output", type=Path, required=True, metavar="DIR", help="to be made")
-    frames.add_argument("--machine", default="", help="shipped machine, or file (default: as the bag's URDF)")
-    text = "print where the layouts and the other tools' files are"
+    frames.add_argument("bag", type=Path, help="directory or file of the bag, which is not changed")
+    frames.add_argument(
+        "-o", "--output", type=Path, required=True, metavar="DIR", help="directory to be made"
+    )
+    frames.add_argument(
+        "--machine", default="", help="shipped machine or a file (default: as in the bag's URDF)"
+    )
+    text = "print the paths of the layouts and of the other tools' files"
     subcommand(verbs, "layouts", text, _layouts)
     return parser
 

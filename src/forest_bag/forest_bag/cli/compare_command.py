@@ -44,10 +44,10 @@ def add_parser(verbs: Subcommands) -> None:
         "message of a topic, interpolated; log times, texts and bytes are left out",
     )
     parser.add_argument(
-        "--json", type=Path, metavar="FILE", help="write what was found; - is standard output"
+        "--json", type=Path, metavar="FILE", help="write the differences as JSON; -: standard output"
     )
     parser.add_argument(
-        "--picture", type=Path, metavar="FILE", help="draw what differs most (.png, .pdf, .svg)"
+        "--picture", type=Path, metavar="FILE", help="draw the largest differences (.png, .pdf, .svg)"
     )
     parser.add_argument("-q", "--quiet", action="store_true", help="print nothing")
 

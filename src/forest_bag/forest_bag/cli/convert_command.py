@@ -19,7 +19,7 @@ def add_parser(verbs: Subcommands) -> None:
         nargs="+",
         required=True,
         metavar="BAG",
-        help="a directory, .mcap or .db3; again and again for several (a storage id behind it is not needed)",
+        help="directory, .mcap or .db3 file; may be repeated",
     )
     parser.add_argument(
         "-o",
@@ -27,7 +27,7 @@ def add_parser(verbs: Subcommands) -> None:
         type=Path,
         required=True,
         metavar="FILE.yaml",
-        help="what to write, with the keys of `ros2 bag convert`: docs/reference/bags.md",
+        help="output bags, with the keys of `ros2 bag convert`: docs/reference/bags.md",
     )
 
 

@@ -27,9 +27,9 @@ def add_parser(verbs: Subcommands) -> None:
     text = "make a bag of this project's topics from a measured log"
     epilog = f"The map is described in docs/reference/bags.md. Topics: {', '.join(mappable())}."
     parser = subcommand(verbs, "from-csv", text, run, epilog)
-    parser.add_argument("file", type=Path, metavar="FILE", help="the log, a CSV file")
+    parser.add_argument("file", type=Path, metavar="FILE", help="CSV file of the log")
     parser.add_argument(
-        "--map", type=Path, required=True, metavar="YAML", help="which column is which signal"
+        "--map", type=Path, required=True, metavar="YAML", help="columns of the log and their signals"
     )
     parser.add_argument(
         "-o", "--output", type=Path, metavar="DIR", help="to be made (default: FILE without .csv)"

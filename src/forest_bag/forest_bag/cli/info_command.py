@@ -17,10 +17,10 @@ EPOCH_NS = 10**17  # log times below are simulated time, not a date
 
 def add_parser(verbs: Subcommands) -> None:
     """Add the verb and its flags."""
-    text = "tell what is in a bag: topics, QoS, gaps, losses, files, events, attachments"
+    text = "show a bag's topics, QoS, gaps, losses, files, events and attachments"
     parser = subcommand(verbs, "info", text, run)
-    parser.add_argument("bag", type=Path, metavar="BAG", help="a directory, .mcap or .db3, damaged or not")
-    parser.add_argument("--json", action="store_true", help="for programs; times in ns")
+    parser.add_argument("bag", type=Path, metavar="BAG", help="directory, .mcap or .db3 file, damaged or not")
+    parser.add_argument("--json", action="store_true", help="print JSON, with times in ns")
 
 
 def run(options: argparse.Namespace) -> int:

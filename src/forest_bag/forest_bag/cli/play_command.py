@@ -31,7 +31,7 @@ def add_parser(verbs: Subcommands) -> None:
         type=whole(0, 10**9),
         default=0,
         metavar="N",
-        help="so many, then pause; default: all, then end",
+        help="messages to publish before a pause (default: all, then end)",
     )
 
 
@@ -49,35 +49,41 @@ def _add(
         type=Path,
         nargs="+",
         metavar="BAG",
-        help="a directory, .mcap or .db3; several are played as one, merged by time",
+        help="directory, .mcap or .db3 file; several are merged by time",
     )
-    add("--start-offset", type=number(0.0), default=0.0, metavar="S", help="begin there")
-    add("--topics", nargs="+", default=[], metavar="TOPIC", help="only these")
+    add("--start-offset", type=number(0.0), default=0.0, metavar="S", help="time in the bag to begin at")
+    add("--topics", nargs="+", default=[], metavar="TOPIC", help="topics to use (default: all)")
     add("--exclude", "--exclude-topics", dest="exclude", nargs="+", default=[], metavar="TOPIC",
-        help="all but these")  # fmt: skip
+        help="topics to leave out")  # fmt: skip
     add("-m", "--remap", nargs="+", type=_remap, default=[], metavar="OLD:=NEW",
-        help="publish under another name")  # fmt: skip
+        help="publish topic OLD as NEW")  # fmt: skip
     add("--qos-profile-overrides-path", type=Path, metavar="FILE.yaml",
-        help="QoS of topics, in place of the recorded one")  # fmt: skip
+        help="QoS of the publishers (default: as recorded)")  # fmt: skip
     add("-d", "--delay", type=number(0.0, 3600.0), default=0.5, metavar="S",
-        help="before the first message, for readers to find the player (default: 0.5)")  # fmt: skip
+        help="time before the first message, for subscribers to be found (default: 0.5)")  # fmt: skip
     add("--wait-for-subscribers", action="store_true",
-        help="begin when every topic that is played has one")  # fmt: skip
+        help="begin when every played topic has a subscriber")  # fmt: skip
     add("--no-check", action="store_true",
-        help="play at once: without it all is read first, and not played if bytes were changed")  # fmt: skip
+        help="begin at once, without the check of all bytes before the first message")  # fmt: skip
     return parser
 
 
 def _add_play(parser: argparse.ArgumentParser) -> None:
     add = parser.add_argument
-    add("-r", "--rate", type=number(0.0, 1e6), default=1.0, help="default: 1; 0: as fast as possible")
-    add("-l", "--loop", action="store_true", help="again and again")
+    add(
+        "-r",
+        "--rate",
+        type=number(0.0, 1e6),
+        default=1.0,
+        help="speed of the bag's time (default: 1; 0: as fast as possible)",
+    )
+    add("-l", "--loop", action="store_true", help="begin again at the end")
     add("--duration", "--playback-duration", dest="duration", type=number(0.0), metavar="S",
-        help="of the bag's time (default: to its end)")  # fmt: skip
+        help="length to be played, in the bag's time (default: to the end)")  # fmt: skip
     add("--clock", nargs="?", type=number(0.1, 1e4), const=CLOCK_HZ, default=0.0, metavar="HZ",
-        help="publish the bag's time on /clock (default rate: 40)")  # fmt: skip
-    add("-p", "--start-paused", action="store_true", help="wait for space, or ~/resume")
-    add("--stats", action="store_true", help="tell at the end how late messages were")
+        help="publish the bag's time on /clock at this rate (default: 40)")  # fmt: skip
+    add("-p", "--start-paused", action="store_true", help="begin at the space bar, or at ~/resume")
+    add("--stats", action="store_true", help="print at the end how late the messages were")
 
 
 def run(options: argparse.Namespace) -> int:

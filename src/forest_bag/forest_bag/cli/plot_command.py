@@ -17,9 +17,9 @@ def add_parser(verbs: Subcommands) -> None:
     """Add the verb and its flags."""
     text = "draw the demo's pictures of a bag: tip path, tip error, joints, voltages, hydraulics"
     parser = subcommand(verbs, "plot", text, run)
-    parser.add_argument("bag", type=Path, metavar="BAG", help="a directory, .mcap or .db3")
+    parser.add_argument("bag", type=Path, metavar="BAG", help="directory, .mcap or .db3 file")
     parser.add_argument(
-        "-o", "--output", type=Path, metavar="DIR", help="for the pictures (default: BAG_pictures)"
+        "-o", "--output", type=Path, metavar="DIR", help="directory of the pictures (default: BAG_pictures)"
     )
 
 

@@ -23,30 +23,52 @@ def add_parser(verbs: Subcommands) -> None:
     _add_choice(parser)
     add = parser.add_argument
     add("-o", "--output", type=Path, metavar="DIR", help="to be made (default: rosbag2_ and the time)")
-    add("--compression", choices=COMPRESSIONS, default="zstd", help="default: %(default)s")
+    add(
+        "--compression",
+        choices=COMPRESSIONS,
+        default="zstd",
+        help="compression of chunks (default: %(default)s)",
+    )
     add("-d", "--max-duration", "--max-bag-duration", type=number(0.0, 1e9), metavar="S",
-        help="begin another file after so many seconds (default: 3600; 0: never)")  # fmt: skip
-    add("--max-size", type=number(0.0, 1e9), metavar="MB", help="begin another file before one is larger")
-    add("-b", "--max-bag-size", type=number(0.0, 1e9), metavar="BYTES", help="the same in bytes")
+        help="begin another file after this time (default: 3600; 0: never)")  # fmt: skip
+    add(
+        "--max-size",
+        type=number(0.0, 1e9),
+        metavar="MB",
+        help="begin another file before one exceeds this size",
+    )
+    add("-b", "--max-bag-size", type=number(0.0, 1e9), metavar="BYTES", help="as --max-size, in bytes")
     add("--snapshot-seconds", type=number(0.0, 1e9), metavar="S",
-        help=f"keep the last seconds in memory; /{NODE}/snapshot writes them")  # fmt: skip
+        help=f"keep the last S seconds in memory; /{NODE}/snapshot writes them")  # fmt: skip
     add("--qos-profile-overrides-path", type=Path, metavar="FILE.yaml",
-        help="QoS of subscriptions to topics, in place of what suits all publishers")  # fmt: skip
+        help="QoS of the subscriptions (default: what suits all publishers)")  # fmt: skip
     add("--use-sim-time", action="store_true",
-        help="log times are those of /clock; nothing is recorded before its first message")  # fmt: skip
-    add("--start-paused", action="store_true", help=f"record nothing before /{NODE}/start")
-    add("--node-name", type=_name, default=NODE, metavar="NAME", help="default: %(default)s")
-    add("--namespace", type=_namespace, default="", metavar="NS", help="for relative names (default: /)")
+        help="take log times from /clock; recording begins with its first message")  # fmt: skip
+    add("--start-paused", action="store_true", help=f"begin to record at /{NODE}/start")
+    add(
+        "--node-name",
+        type=_name,
+        default=NODE,
+        metavar="NAME",
+        help="name of the node (default: %(default)s)",
+    )
+    add(
+        "--namespace",
+        type=_namespace,
+        default="",
+        metavar="NS",
+        help="namespace of relative names (default: /)",
+    )
 
 
 def _add_choice(parser: argparse.ArgumentParser) -> None:
     add = parser.add_argument
-    add("names", nargs="*", metavar="TOPIC", help="record only these; --topics says the same")
-    add("--topics", nargs="+", default=[], metavar="TOPIC", help="record only these")
+    add("names", nargs="*", metavar="TOPIC", help="topics to record (default: all); as --topics")
+    add("--topics", nargs="+", default=[], metavar="TOPIC", help="topics to record (default: all)")
     add("-e", "--regex", type=_regex, help="record topics whose name contains this")
-    add("-a", "--all", action="store_true", help="record every topic; so does no choice at all")
+    add("-a", "--all", action="store_true", help="record every topic (the default)")
     add("-x", "--exclude", nargs="+", type=_regex, default=[], metavar="TOPIC",
-        help="but not these: names, or regular expressions that a name contains")  # fmt: skip
+        help="topics to leave out: names, or regular expressions that a name contains")  # fmt: skip
 
 
 def _name(text: str) -> str:

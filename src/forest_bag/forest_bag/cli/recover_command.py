@@ -12,7 +12,7 @@ def add_parser(verbs: Subcommands) -> None:
     """Add the verb and its flags."""
     text = "make a whole bag of what is readable in a damaged one"
     parser = subcommand(verbs, "recover", text, run)
-    parser.add_argument("bag", type=Path, help="a bag's directory, or an .mcap file; it is left as it is")
+    parser.add_argument("bag", type=Path, help="directory or .mcap file of the bag, which is not changed")
     parser.add_argument(
         "-o", "--output", type=Path, metavar="DIR", help="to be made (default: BAG_recovered)"
     )

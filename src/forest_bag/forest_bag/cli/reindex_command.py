@@ -10,7 +10,9 @@ def add_parser(verbs: Subcommands) -> None:
     """Add the verb and its flags."""
     text = "make a bag's metadata.yaml anew from its files"
     parser = subcommand(verbs, "reindex", text, run)
-    parser.add_argument("bag", type=Path, metavar="BAG", help="a directory; its files are left as they are")
+    parser.add_argument(
+        "bag", type=Path, metavar="BAG", help="directory of the bag; its files are not changed"
+    )
 
 
 def run(options: argparse.Namespace) -> int:

@@ -19,9 +19,13 @@ BLOCK = 4096  # rows formatted at once
 def add_parser(verbs: Subcommands) -> None:
     """Add both verbs and their flags."""
     csv_parser = _add(verbs, "to-csv", "write a bag's numbers as one CSV table", to_csv)
-    csv_parser.add_argument("-o", "--output", type=Path, metavar="FILE", help="default: standard output")
+    csv_parser.add_argument(
+        "-o", "--output", type=Path, metavar="FILE", help="CSV file to be made (default: standard output)"
+    )
     parquet = _add(verbs, "to-parquet", "write a bag's numbers as one Parquet table", to_parquet)
-    parquet.add_argument("-o", "--output", type=Path, metavar="FILE", help="default: BAG.parquet")
+    parquet.add_argument(
+        "-o", "--output", type=Path, metavar="FILE", help="Parquet file to be made (default: BAG.parquet)"
+    )
 
 
 def _add(
@@ -37,11 +41,16 @@ def _add(
         "there has empty cells.",
     )
     parser.set_defaults(command=command)
-    parser.add_argument("bag", type=Path, metavar="BAG", help="a directory, .mcap or .db3")
-    parser.add_argument("--topics", nargs="+", default=[], metavar="TOPIC", help="only these")
+    parser.add_argument("bag", type=Path, metavar="BAG", help="directory, .mcap or .db3 file")
+    parser.add_argument(
+        "--topics", nargs="+", default=[], metavar="TOPIC", help="topics to use (default: all)"
+    )
     parser.add_argument("--hold", action="store_true", help="fill empty cells with the topic's last values")
     parser.add_argument(
-        "--at", default="", metavar="TOPIC", help="rows only at this topic's stamps; others held"
+        "--at",
+        default="",
+        metavar="TOPIC",
+        help="write rows at this topic's stamps only; the other topics are held",
     )
     return parser
 

@@ -11,9 +11,9 @@ class PlayerParameters(NamedTuple):
     """Of the node of `forest-bag play`, which acts on them when they are set."""
 
     rate: Annotated[
-        float, tunable("Seconds of the bag per second; 0: as fast as possible", low=0.0, high=HIGHEST_RATE)
+        float, tunable("seconds of the bag per second; 0: as fast as possible", low=0.0, high=HIGHEST_RATE)
     ] = 1.0
-    seek: Annotated[float, tunable("Setting it goes to that time since the bag's start", "s", 0.0)] = 0.0
+    seek: Annotated[float, tunable("time since the bag's start to go to", "s", 0.0)] = 0.0
 
 
 DESCRIPTIONS = {row.name: row.description for row in table_rows(PlayerParameters)}
@@ -22,7 +22,7 @@ DESCRIPTIONS = {row.name: row.description for row in table_rows(PlayerParameters
 class StepPlayerParameters(NamedTuple):
     """Of `step_player_node`."""
 
-    bag: Annotated[str, Parameter("recorded in lockstep")] = ""
-    answers: Annotated[tuple[str, ...], Parameter("topics, without slash, that the nodes under test say")] = (
-        "",
-    )
+    bag: Annotated[str, Parameter("bag that was recorded in lockstep")] = ""
+    answers: Annotated[
+        tuple[str, ...], Parameter("topics, without slash, that the nodes under test publish")
+    ] = ("",)

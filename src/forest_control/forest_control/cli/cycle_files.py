@@ -21,16 +21,20 @@ def add_parsers(verbs: Subcommands) -> None:
     """Add the verbs and their flags."""
     _verb(verbs, "list", "name all cycles, with length, duration, and what is out of reach", _list)
     check = _verb(verbs, "check", "tell a cycle's segments; exit code 1 if one is out of reach", _check)
-    check.add_argument("name", metavar="NAME", help="of the cycle")
+    check.add_argument("name", metavar="NAME", help="name of the cycle")
     rename = _verb(verbs, "rename", "give a cycle of yours another name", _rename, known=False)
-    rename.add_argument("name", metavar="NAME", help="of the cycle")
-    rename.add_argument("new", metavar="NEW", help="its name from now on")
+    rename.add_argument("name", metavar="NAME", help="name of the cycle")
+    rename.add_argument("new", metavar="NEW", help="new name")
 
 
 def add_directory(parser: argparse.ArgumentParser) -> None:
     """Add the flag that says where the user's cycles are."""
     parser.add_argument(
-        "--directory", type=Path, default=DIRECTORY, metavar="DIR", help="of your cycles (default: cycles)"
+        "--directory",
+        type=Path,
+        default=DIRECTORY,
+        metavar="DIR",
+        help="directory of your cycles (default: cycles)",
     )
 
 
@@ -44,8 +48,10 @@ def _verb(
     parser = subcommand(verbs, name, text, run)
     add_directory(parser)
     if known:
-        parser.add_argument("--machine", default="c180", help="that shall do it (default: c180)")
-        parser.add_argument("--workspace", default="", help="walls: a shipped name or a file (default: none)")
+        parser.add_argument("--machine", default="c180", help="machine that does the work (default: c180)")
+        parser.add_argument(
+            "--workspace", default="", help="workspace limits: a shipped name or a file (default: none)"
+        )
     return parser
 
 

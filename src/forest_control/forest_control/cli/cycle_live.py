@@ -23,12 +23,14 @@ def add_parsers(verbs: Subcommands) -> None:
     """Add the verbs and their flags."""
     text = "teach a cycle's next segment: a path, driven until stop, or the place where the tip is"
     record = _verb(verbs, "record", text, _record)
-    record.add_argument("name", metavar="NAME", help="of the cycle; a new one is begun")
-    record.add_argument("--what", choices=TEACHES, default="path", help="is taught (default: path)")
-    record.add_argument("--label", default="", metavar="TEXT", help="its name (default: its kind)")
+    record.add_argument("name", metavar="NAME", help="name of the cycle; a new name begins a new cycle")
+    record.add_argument("--what", choices=TEACHES, default="path", help="kind of the segment (default: path)")
+    record.add_argument("--label", default="", metavar="TEXT", help="name of the segment (default: its kind)")
     play = _verb(verbs, "play", "play a cycle from its beginning, once the deadman is held", _play)
-    play.add_argument("name", metavar="NAME", help="of the cycle")
-    play.add_argument("--wait", action="store_true", help="until it is finished; exit code 1 if it is paused")
+    play.add_argument("name", metavar="NAME", help="name of the cycle")
+    play.add_argument(
+        "--wait", action="store_true", help="wait until the cycle is finished; exit code 1 if it is paused"
+    )
     for name, text in (
         ("stop", "end what is taught, and keep it; or end what is played"),
         ("pause", "pause what is played; the tip is held"),

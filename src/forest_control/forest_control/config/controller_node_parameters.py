@@ -15,7 +15,7 @@ class ProfileParameter(NamedTuple):
         str,
         tunable(
             f"operator's profile: {', '.join(profile_file.shipped())}, or path of a file;"
-            " what is also given wins"
+            " other given parameters win"
         ),
     ] = "default"
 
@@ -24,7 +24,8 @@ class WorkspaceParameter(NamedTuple):
     """Walls that the tip keeps out of."""
 
     workspace: Annotated[
-        str, tunable(f"walls: {', '.join(workspace_file.shipped())}, or path of a file; empty: none")
+        str,
+        tunable(f"workspace limits: {', '.join(workspace_file.shipped())}, or path of a file; empty: none"),
     ] = ""
 
 
@@ -33,9 +34,13 @@ class ControllerParameters(NamedTuple):
 
     period: Annotated[float, Parameter("nominal period of the state", "s", 1e-4, 0.1)] = PERIOD
     state_timeout: Annotated[float, Parameter("age at which the state is lost", "s", 0.01, 0.2)] = 0.1
-    deadman_button: Annotated[int, Parameter("button to hold", low=0, high=BUTTON_COUNT - 1)] = LEFT_SHOULDER
+    deadman_button: Annotated[
+        int, Parameter("button to hold as the deadman", low=0, high=BUTTON_COUNT - 1)
+    ] = LEFT_SHOULDER
     plain_arrays: Annotated[bool, Parameter("publish Float64MultiArray without stamp")] = False
-    hands_off: Annotated[bool, tunable("disarmed, no valve commands: somebody else has the valves")] = False
-    publish_description: Annotated[bool, Parameter("publish robot_description; where no simulator does")] = (
+    hands_off: Annotated[
+        bool, tunable("disarmed, without valve commands: another node drives the valves")
+    ] = False
+    publish_description: Annotated[bool, Parameter("publish robot_description, where no simulator does")] = (
         False
     )

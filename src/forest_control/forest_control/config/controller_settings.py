@@ -43,14 +43,16 @@ class Settings(NamedTuple):
     """
 
     scheme: Annotated[Scheme, tunable("control scheme")] = Scheme.COORDINATED
-    mode: Annotated[Mode, tunable("what a deflection means")] = Mode.RATE
+    mode: Annotated[Mode, tunable("meaning of a deflection: tip velocity or position")] = Mode.RATE
     position_source: Annotated[
         Source,
-        tunable("what tells boom and stick: resolvers, or these corrected by the cylinders; heeded at rest"),
+        tunable(
+            "sensors of boom and stick: resolvers, or resolvers corrected by the cylinders; heeded at rest"
+        ),
     ] = Source.CYLINDERS
-    axis_frame: Annotated[Frame, tunable("along what the tip's axes lie")] = Frame.CARTESIAN
+    axis_frame: Annotated[Frame, tunable("coordinates of the tip's axes")] = Frame.CARTESIAN
     deadzone: Annotated[Vec3, tunable("deflection of each lever that counts as none", "", 0.0, 0.5)] = ZERO
-    expo: Annotated[Vec3, tunable("how much of each lever's curve is cubic", "", 0.0, 1.0)] = ZERO
+    expo: Annotated[Vec3, tunable("cubic share of each lever's curve", "", 0.0, 1.0)] = ZERO
     tip_speed: Annotated[float, tunable("tip speed at full deflection", "m/s", 0.01, 3.0)] = 0.5
     axis_speed: Annotated[Vec3, tunable("largest tip speed of each lever", "m/s", 0.01, 3.0)] = (
         3.0,
@@ -58,10 +60,10 @@ class Settings(NamedTuple):
         3.0,
     )
     position_span: Annotated[
-        float, tunable("of the tip at full deflection in position mode", "m", 0.01, 3.0)
+        float, tunable("displacement of the tip at full deflection in position mode", "m", 0.01, 3.0)
     ] = 0.5
     joint_span: Annotated[
-        Vec3, tunable("of the joints at full deflection in position mode", "rad", 0.001, 1.0)
+        Vec3, tunable("displacement of the joints at full deflection in position mode", "rad", 0.001, 1.0)
     ] = (0.1, 0.1, 0.1)
     joint_rates: Annotated[Vec3, tunable("largest joint rates", "rad/s", 0.01, 3.0)] = (0.8, 0.25, 0.25)
     velocity_gain: Annotated[Vec3, tunable("K_v of schemes (a) and (c)", "", 0.01, 10.0)] = (
@@ -74,36 +76,47 @@ class Settings(NamedTuple):
     jacobian_at_joints: Annotated[
         bool, tunable("scheme (d) takes J^-1 at the measured angles, as the thesis does")
     ] = False
-    lead: Annotated[float, tunable("how far the reference may run ahead of a joint", "rad", 0.001, 1.0)] = 0.2
+    lead: Annotated[float, tunable("largest lead of the reference over a joint", "rad", 0.001, 1.0)] = 0.2
     feedback_gain: Annotated[
-        Vec3, tunable("K_p of the coordinated scheme; negative: by the machine's rule", "1/s", -1.0, 30.0)
+        Vec3,
+        tunable(
+            "K_p of the coordinated scheme; negative: from the machine file by the gain rule",
+            "1/s",
+            -1.0,
+            30.0,
+        ),
     ] = BY_RULE
     integral_gain: Annotated[
         Vec3,
-        tunable("K_i of the coordinated scheme; negative: as goes with K_p by the rule", "1/s^2", -1.0, 50.0),
+        tunable("K_i of the coordinated scheme; negative: from K_p by the gain rule", "1/s^2", -1.0, 50.0),
     ] = BY_RULE
     rate_gain: Annotated[
         Vec3,
         tunable(
-            "D of the coordinated scheme: damping by the measured rate; negative: by the rule", "", -1.0, 2.0
+            "D of the coordinated scheme: damping by the measured rate; negative: by the gain rule",
+            "",
+            -1.0,
+            2.0,
         ),
     ] = BY_RULE
     lead_time: Annotated[
         Vec3,
-        tunable("T of the coordinated scheme beside dead times: what the machine lags behind", "s", 0.0, 0.5),
+        tunable("T of the coordinated scheme: lag of the machine, without dead times", "s", 0.0, 0.5),
     ] = (0.018, 0.013, 0.013)
     load_bandwidth: Annotated[
-        float, tunable("of the valve driver's knowledge of the load", "Hz", 0.01, 50.0)
+        float, tunable("low-pass of the loads in the valve driver", "Hz", 0.01, 50.0)
     ] = 1.0
     tip_acceleration: Annotated[
-        float, tunable("of the coordinated scheme's reference", "m/s^2", 0.1, 20.0)
+        float, tunable("largest acceleration of the coordinated scheme's reference", "m/s^2", 0.1, 20.0)
     ] = 4.0
     anti_sway: Annotated[
-        bool, tunable("the tip moves so that what hangs from it does not sway: coordinated scheme, rate mode")
+        bool, tunable("move the tip so that the hanging head does not sway: coordinated scheme, rate mode")
     ] = False
-    joint_margin: Annotated[float, tunable("kept from joint limits", "rad", 0.0, 0.2)] = 0.0175  # 1 degree
+    joint_margin: Annotated[float, tunable("margin to the joint limits", "rad", 0.0, 0.2)] = (
+        0.0175  # 1 degree
+    )
     approach: Annotated[
-        Vec3, tunable("speed per angle, of a cylinder per stroke, left to a limit", "1/s", 0.1, 20.0)
+        Vec3, tunable("largest speed over the way left to a limit, of an angle or a stroke", "1/s", 0.1, 20.0)
     ] = (1.0, 2.0, 2.0)
 
 

@@ -12,9 +12,9 @@ _CENTRE = Parameter("deflection of a stick that counts as none", "", 0.001, 0.5)
 class CycleParameters(NamedTuple):
     """Of `cycle_node`."""
 
-    directory: Annotated[str, Parameter("folder of the user's cycles")] = "cycles"
+    directory: Annotated[str, Parameter("directory of the user's cycles")] = "cycles"
     button: Annotated[
-        int, Parameter("joystick's button: play, pause, resume, confirm", low=0, high=BUTTON_COUNT - 1)
+        int, Parameter("button of the joystick: play, pause, resume, confirm", low=0, high=BUTTON_COUNT - 1)
     ] = 0
     centre: Annotated[float, _CENTRE] = 0.05
 
@@ -23,9 +23,10 @@ class TaughtNames(NamedTuple):
     """Of `cycle_node`: what its services are about."""
 
     cycle: Annotated[str, tunable("name of the cycle that is taught or played")] = ""
-    label: Annotated[str, tunable("name of the next segment that is taught; empty: of its kind")] = ""
+    label: Annotated[str, tunable("name of the next segment that is taught; empty: its kind")] = ""
     workspace: Annotated[
-        str, tunable(f"walls that plans keep to: {', '.join(workspace_file.shipped())}, or path of a file")
+        str,
+        tunable(f"workspace limits of the plans: {', '.join(workspace_file.shipped())}, or path of a file"),
     ] = ""
 
 

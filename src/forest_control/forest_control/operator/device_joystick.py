@@ -41,7 +41,13 @@ class DeviceParameters(NamedTuple):
         str, Parameter("auto, a device below /dev/input, or a mapping file; empty: play the source")
     ] = ""
     frozen_timeout: Annotated[
-        float, Parameter("longest hold still with the deadman held or a lever deflected", "s", 0.5, 60.0)
+        float,
+        Parameter(
+            "time without any change, deadman held or lever deflected, after which the device is frozen",
+            "s",
+            0.5,
+            60.0,
+        ),
     ] = 10.0
 
 

@@ -42,16 +42,20 @@ class JoystickParameters(NamedTuple):
     """Of `joystick_node`."""
 
     source: Annotated[
-        str, Parameter("thesis, or the path of a CSV of levers, or of a bag with a joystick")
+        str, Parameter("thesis, or the path of a CSV of levers or of a bag with a joystick")
     ] = "thesis"
-    duration: Annotated[
-        float, Parameter("how long to play; 0: as long as the source is", "s", 0.0, LONGEST)
-    ] = 0.0
+    duration: Annotated[float, Parameter("length to be played; 0: the whole source", "s", 0.0, LONGEST)] = 0.0
     tip_speed: Annotated[float, Parameter("tip speed at full deflection", "m/s", 0.48, 3.0)] = 0.5
-    wait_for_subscribers: Annotated[int, Parameter("listeners to wait for", low=0, high=100)] = 1
-    deadman_button: Annotated[int, Parameter("button to hold", low=0, high=BUTTON_COUNT - 1)] = LEFT_SHOULDER
-    faults: Annotated[str, Parameter("e.g. lost from 3 s until 4 s; frozen from 6 s")] = ""
-    interpolate: Annotated[bool, Parameter("lines from row to row of a CSV; false: each row holds")] = True
+    wait_for_subscribers: Annotated[int, Parameter("subscribers to wait for", low=0, high=100)] = 1
+    deadman_button: Annotated[
+        int, Parameter("button to hold as the deadman", low=0, high=BUTTON_COUNT - 1)
+    ] = LEFT_SHOULDER
+    faults: Annotated[
+        str, Parameter("faults of the link, such as lost from 3 s until 4 s; frozen from 6 s")
+    ] = ""
+    interpolate: Annotated[
+        bool, Parameter("interpolate between the rows of a CSV; false: each row holds")
+    ] = True
 
 
 class LeverRecord(NamedTuple):

@@ -62,9 +62,15 @@ class WatchParameters(NamedTuple):
 
     joy_timeout: Annotated[float, Parameter("age at which the joystick is lost", "s", 0.01, 2.0)] = 0.15
     # Of a joystick that is not known to be restless.
-    frozen_timeout: Annotated[float, Parameter("longest hold still, deflected; 0: any", "s", 0.0, 60.0)] = (
-        10.0
-    )
+    frozen_timeout: Annotated[
+        float,
+        Parameter(
+            "time of a deflection without any change after which the joystick is frozen; 0: never",
+            "s",
+            0.0,
+            60.0,
+        ),
+    ] = 10.0
     centre: Annotated[float, Parameter("deflection that counts as centred", "", 0.001, 0.5)] = 0.05
 
 

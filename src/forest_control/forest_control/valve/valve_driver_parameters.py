@@ -50,23 +50,28 @@ Axes = tuple[AxisDriver, AxisDriver, AxisDriver]
 class Settings(NamedTuple):
     """The valve driver's settings: parameters of its node that may be set while it runs."""
 
-    compensate: Annotated[bool, tunable("false: commands pass, for experiments")] = True
-    beyond_valve: Annotated[bool, tunable("allow for hoses, leakage and the spool's lag")] = True
+    compensate: Annotated[bool, tunable("false: commands pass unchanged, for experiments")] = True
+    beyond_valve: Annotated[bool, tunable("compensate hoses, leakage and the spool's lag")] = True
     hold_zone: Annotated[float, tunable("commands that leave the spool centred", "V", 0.0, 1.0)] = 0.02
     load_bandwidth: Annotated[float, tunable("low-pass of the loads", "Hz", 0.01, 50.0)] = 1.0
-    minimum_drop: Annotated[float, tunable("least share of pressure left", "", 0.01, 1.0)] = 0.1
+    minimum_drop: Annotated[
+        float,
+        tunable("smallest drop over the valve that is counted on, over the pump's pressure", "", 0.01, 1.0),
+    ] = 0.1
     dither_amplitude: Annotated[
-        float, tunable("of the dither; negative: half the file's hysteresis", "V", -1.0, 2.0)
+        float, tunable("amplitude of the dither; negative: half the file's hysteresis", "V", -1.0, 2.0)
     ] = -1.0
-    dither_frequency: Annotated[float, tunable("of the dither", "Hz", 1.0, 100.0)] = 50.0
+    dither_frequency: Annotated[float, tunable("frequency of the dither", "Hz", 1.0, 100.0)] = 50.0
     adapt: Annotated[bool, tunable("learn deadband and gain of every valve that has no compensator")] = True
     forgetting_time: Annotated[
-        float, tunable("after which a sample counts for a third", "s", 1.0, 3600.0)
+        float, tunable("age at which a sample of the adaptation counts 1/e", "s", 1.0, 3600.0)
     ] = 20.0
     deadband_range: Annotated[
-        float, tunable("that a learnt deadband may be off the machine's file", "V", 0.0, 2.0)
+        float, tunable("largest difference of a learnt deadband from the machine file", "V", 0.0, 2.0)
     ] = 0.4
-    gain_range: Annotated[float, tunable("factor that a learnt gain may be off by", "", 1.0, 5.0)] = 2.0
+    gain_range: Annotated[
+        float, tunable("largest factor between a learnt gain and the machine file's", "", 1.0, 5.0)
+    ] = 2.0
 
 
 class DriverParameters(NamedTuple):

@@ -1,4 +1,4 @@
-"""The sorts of hose that a machine may have, as lumped elements of a piece of it.
+"""The types of hose that a machine may have, as lumped elements of a piece of it.
 
 Symbols:
     L, D, A  length [m], bore [m] and its area [m²]

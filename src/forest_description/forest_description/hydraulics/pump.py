@@ -1,4 +1,4 @@
-"""The sorts of pump that a machine may have; their laws are in ``forest_sim.hydraulics.supply``.
+"""The types of pump that a machine may have; their laws are in ``forest_sim.hydraulics.supply``.
 
 A sort of pump is a class below, in the union `Pump`; `forest_sim.hydraulics.supply.supply` makes
 its constants. `identifiable` names the numbers that an identification finds from motions with a

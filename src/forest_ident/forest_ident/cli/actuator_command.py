@@ -30,9 +30,9 @@ def add_parser(verbs: Subcommands) -> None:
     parser.add_argument("--fit", type=Path, required=True, metavar="TRAIN.csv", help=columns)
     help_test = "columns sample, valve; pressure, where it is there, is compared and never used"
     parser.add_argument("--simulate", type=Path, required=True, metavar="TEST.csv", help=help_test)
-    help_out = "for prediction.csv, actuator.json, prediction.png"
+    help_out = "directory of prediction.csv, actuator.json and prediction.png"
     parser.add_argument("--out", type=Path, required=True, metavar="DIR", help=help_out)
-    help_starts = f"points the fit starts from (default {STARTS}; without llvmlite {STARTS_INTERPRETED})"
+    help_starts = f"starting points of the fit (default: {STARTS}; without llvmlite {STARTS_INTERPRETED})"
     parser.add_argument("--starts", type=whole(1), metavar="N", help=help_starts)
     help_cross = "also fit parts of TRAIN and predict the rest; the table goes into actuator.json"
     parser.add_argument("--cross-validate", action="store_true", help=help_cross)

@@ -31,11 +31,13 @@ def add_parser(verbs: Subcommands) -> None:
     """Name the verb's flags."""
     text = "tell what is wrong with the machine, from bags of everyday work"
     parser = subcommand(verbs, "diagnose", text, run)
-    parser.add_argument("bags", type=Path, nargs="+", metavar="BAG", help="one after the other")
-    parser.add_argument("--machine", required=True, metavar="NAME|FILE", help="that they are of")
-    text = "bag of the same machine while it was well: what is learnt first; more than one: again"
+    parser.add_argument("bags", type=Path, nargs="+", metavar="BAG", help="bags, in order of time")
+    parser.add_argument("--machine", required=True, metavar="NAME|FILE", help="machine of the bags")
+    text = "reference bag of the machine in good health, learnt from first; may be repeated"
     parser.add_argument("--healthy", type=Path, action="append", default=[], metavar="BAG", help=text)
-    parser.add_argument("--out", type=Path, metavar="FILE", help="to be made: findings and residuals as JSON")
+    parser.add_argument(
+        "--out", type=Path, metavar="FILE", help="JSON file to be made, with findings and residuals"
+    )
 
 
 def run(options: argparse.Namespace) -> int:

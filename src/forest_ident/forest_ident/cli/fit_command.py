@@ -31,18 +31,29 @@ def add_parser(verbs: Subcommands) -> None:
     """Name the verb's flags."""
     text = "estimate a machine's parameters from bags, with their uncertainty"
     parser = subcommand(verbs, "fit", text, run)
-    parser.add_argument("bags", nargs="+", type=Path, metavar="BAG", help="a bag, or a directory of bags")
-    parser.add_argument("--start", default="c180_hoses", metavar="NAME|FILE", help="default: %(default)s")
-    parser.add_argument("--out", type=Path, required=True, metavar="FILE.yaml", help="identified machine")
-    parser.add_argument("--report", type=Path, metavar="DIR", help="to be made: report.html")
-    help_truth = "of a simulated machine: told beside what was found, and not used for it"
+    parser.add_argument("bags", nargs="+", type=Path, metavar="BAG", help="bag, or directory of bags")
+    parser.add_argument(
+        "--start",
+        default="c180_hoses",
+        metavar="NAME|FILE",
+        help="machine that the search starts from (default: %(default)s)",
+    )
+    parser.add_argument(
+        "--out",
+        type=Path,
+        required=True,
+        metavar="FILE.yaml",
+        help="machine file to be written, with the estimates",
+    )
+    parser.add_argument("--report", type=Path, metavar="DIR", help="directory to be made, with report.html")
+    help_truth = "true machine of a simulated record: shown beside the estimates, never used"
     parser.add_argument("--truth", metavar="NAME|FILE", help=help_truth)
     help_allow = "physics to add to the start; kept if held-out records are predicted better"
     parser.add_argument(
         "--allow", nargs="+", choices=candidates.NAMES, default=(), metavar="PHYSICS", help=help_allow
     )
     parser.add_argument(
-        "--linear", action="store_true", help="the thesis' estimators alone, without refinement"
+        "--linear", action="store_true", help="use the thesis' linear estimators alone, without refinement"
     )
 
 
@@ -116,7 +127,7 @@ def _tell_rest(result: Result, sessions: dict[Path, Session]) -> None:
         if session.name in identification.HELD_OUT:
             print(f"  held out, not used: {path} ({session.name})")
     for key, motion in unidentified(result):
-        print(f"  not told by these records, left as it was: {key}; it takes {motion}")
+        print(f"  not identifiable from these records, unchanged: {key}; it takes {motion}")
 
 
 def _demand_room(out: Path, report: Path | None) -> None:

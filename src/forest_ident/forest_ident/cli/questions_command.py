@@ -12,15 +12,28 @@ from forest_msgs_py.runtime.command_line import Subcommands, subcommand, whole
 
 def add_parser(verbs: Subcommands) -> None:
     """Name the verb's flags."""
-    text = "ask what a missed return pressure and an unmodelled pendulum come from, on simulated machines"
+    text = "find the causes of a missed return pressure and of an unmodelled pendulum, on simulated machines"
     parser = subcommand(verbs, "questions", text, run)
-    parser.add_argument("--machine", default="c180_hoses", metavar="NAME|FILE", help="default: %(default)s")
     parser.add_argument(
-        "--seed", type=whole(0), default=0, metavar="N", help="of sensors and lots (default: 0)"
+        "--machine",
+        default="c180_hoses",
+        metavar="NAME|FILE",
+        help="machine, shipped or a file (default: %(default)s)",
+    )
+    parser.add_argument(
+        "--seed",
+        type=whole(0),
+        default=0,
+        metavar="N",
+        help="seed of sensor noise and drawn values (default: 0)",
     )
     parser.add_argument("--exact", action="store_true", help="exact sensors instead of Table 4.2's")
     parser.add_argument(
-        "--out", type=Path, required=True, metavar="DIR", help="to be made: questions.json, .png"
+        "--out",
+        type=Path,
+        required=True,
+        metavar="DIR",
+        help="directory to be made, with questions.json and .png",
     )
 
 

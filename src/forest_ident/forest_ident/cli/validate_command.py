@@ -17,9 +17,11 @@ def add_parser(verbs: Subcommands) -> None:
     """Name the verb's flags."""
     text = "compare a held-out bag with what a machine file predicts"
     parser = subcommand(verbs, "validate", text, run)
-    parser.add_argument("bag", type=Path, metavar="BAG")
-    parser.add_argument("--model", required=True, metavar="NAME|FILE", help="machine that predicts")
-    parser.add_argument("--report", type=Path, metavar="DIR", help="to be made: validation.html, .json")
+    parser.add_argument("bag", type=Path, metavar="BAG", help="held-out bag")
+    parser.add_argument("--model", required=True, metavar="NAME|FILE", help="machine file of the prediction")
+    parser.add_argument(
+        "--report", type=Path, metavar="DIR", help="directory to be made, with validation.html and .json"
+    )
 
 
 def run(options: argparse.Namespace) -> int:

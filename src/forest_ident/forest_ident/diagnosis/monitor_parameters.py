@@ -13,5 +13,7 @@ class MonitorParameters(NamedTuple):
 
     period: Annotated[float, Parameter("nominal period of the joints", "s", 1e-4, 0.1)] = PERIOD
     timeout: Annotated[float, Parameter("age at which a sensor's topic is silent", "s", 0.01, 2.0)] = 0.1
-    slow_timeout: Annotated[float, Parameter("age at which the driver's status is", "s", 0.1, 10.0)] = 0.5
-    report_period: Annotated[float, Parameter("between two looks at what is found", "s", 0.1, 600.0)] = 1.0
+    slow_timeout: Annotated[
+        float, Parameter("age at which the driver's status is silent", "s", 0.1, 10.0)
+    ] = 0.5
+    report_period: Annotated[float, Parameter("period of the findings' report", "s", 0.1, 600.0)] = 1.0

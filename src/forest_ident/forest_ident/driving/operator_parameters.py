@@ -13,13 +13,15 @@ from forest_msgs_py.runtime.parameter_table import Parameter, ParameterError
 class OperatorParameters(NamedTuple):
     """Of `experiment_operator_node`."""
 
-    experiment: Annotated[str, Parameter("as `forest-ident experiment list` tells them")] = "validation"
-    seed: Annotated[int, Parameter("of levels drawn by lot", low=0)] = 0
+    experiment: Annotated[
+        str, Parameter("name of the experiment, as `forest-ident experiment list` prints")
+    ] = "validation"
+    seed: Annotated[int, Parameter("seed of the drawn levels", low=0)] = 0
     longest: Annotated[
-        float, Parameter("cut the programme off there, for a trial; 0: never", "s", 0.0, 1e6)
+        float, Parameter("end the experiment after this time, for a trial; 0: never", "s", 0.0, 1e6)
     ] = 0.0
     timeout: Annotated[float, Parameter("age at which the state is lost", "s", 0.01, 1.0)] = 0.1
-    listeners: Annotated[int, Parameter("of the commands, to be there first", low=0, high=9)] = 1
+    listeners: Annotated[int, Parameter("subscribers of the commands to wait for", low=0, high=9)] = 1
 
 
 def planned(machine: Machine, p: OperatorParameters) -> experiment_plan.Plan:

@@ -61,7 +61,9 @@ class Parameter(NamedTuple):
             high = "inf" if self.high is None else f"{self.high:g}"
             return f"{low} .. {high} {self.unit}".rstrip()
         kinds = {bool: "true or false", int: "a whole number", float: "a finite number", str: "a text"}
-        return kinds.get(type(self.default), "a list of numbers or texts like the default")
+        if isinstance(self.default, (tuple, list)) and isinstance(self.default[0], str):
+            return "a list of texts"
+        return kinds.get(type(self.default), "a list of finite numbers")
 
     def checked(self, given: Any) -> Any:
         """Return a value in the default's type.

@@ -1,4 +1,4 @@
-"""The same machine with each of the four sorts of pump. Thesis section 2.2, fig. 2.3.
+"""The same machine with each of the four types of pump. Thesis section 2.2, fig. 2.3.
 
 What a sort needs and the machine's own pump does not say comes from the default machine and from
 the files in `pumps/`, where every number has its source. Motion and load are the same: the machine

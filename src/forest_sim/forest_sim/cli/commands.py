@@ -156,7 +156,7 @@ def _summarize(result: dict[str, Any], columns: Rows, machine: Machine, out: Pat
 
 
 def compare_pumps(machine: Machine, voltages: Voltages, angles: Vec3, run: Run, out: Path) -> int:
-    """Run the same motion on the four sorts of pump; write table, picture and `pumps.json`."""
+    """Run the same motion on the four types of pump; write table, picture and `pumps.json`."""
     substeps(run)
     new_directory(out)
     _warn_if_interpreted()

@@ -46,11 +46,13 @@ def _parser() -> argparse.ArgumentParser:
     )
     commands = parser.add_subparsers(title="commands", required=True, metavar="COMMAND")
     _add_simulate(commands)
-    pumps = _command(commands, "pumps", _pumps, "the same motion on the four sorts of pump: power and energy")
+    pumps = _command(commands, "pumps", _pumps, "power and energy of one motion on the four types of pump")
     add_run_options(pumps)
-    compared = _command(commands, "compare", _compare, "the same input on several machines: one axis, drawn")
+    compared = _command(
+        commands, "compare", _compare, "draw one axis of several machines under the same input"
+    )
     compared.add_argument("machines", nargs="+", metavar="NAME|FILE", help="two or more machines")
-    compared.add_argument("--axis", choices=AXES, default="boom", help="that is drawn; default: boom")
+    compared.add_argument("--axis", choices=AXES, default="boom", help="axis to be drawn (default: boom)")
     add_run_options(compared)
     add_loads_option(compared)
     rest = _command(commands, "equilibrium", _equilibrium, "pressures, forces and torques at rest at a pose")
@@ -58,7 +60,7 @@ def _parser() -> argparse.ArgumentParser:
     rest.add_argument("--json", action="store_true", help="print JSON in SI units")
     _add_modes(commands)
     _add_export(commands)
-    check = _command(commands, "check", _check, "load a machine file and tell what it amounts to")
+    check = _command(commands, "check", _check, "load a machine file and print its derived numbers")
     check.add_argument("machine", metavar="FILE", help="machine file or name")
     return parser
 
@@ -72,7 +74,12 @@ def _command(
     parser = subcommand(commands, name, text, function, EPILOGUE)
     parser.set_defaults(parser=parser)
     if name not in ("check", "compare"):
-        parser.add_argument("--machine", default="c180", metavar="NAME|FILE", help="default: %(default)s")
+        parser.add_argument(
+            "--machine",
+            default="c180",
+            metavar="NAME|FILE",
+            help="machine, shipped or a file (default: %(default)s)",
+        )
     celsius = number(-60.0, 200.0, "degC")
     parser.add_argument(
         "--temperature", type=celsius, metavar="C", help="of all oil [degC]; default: the file's"
@@ -84,10 +91,10 @@ def _add_simulate(commands: Subcommands) -> None:
     simulate = _command(commands, "simulate", _simulate, "run a machine over an input: MCAP, CSV, pictures")
     add_run_options(simulate)
     simulate.add_argument(
-        "--sensor-noise", action="store_true", help="errors, noise, lag and rate of sensors"
+        "--sensor-noise", action="store_true", help="simulate errors, noise, lag and rate of the sensors"
     )
     simulate.add_argument(
-        "--seed", type=whole(0), default=0, help="of the sensors' errors and noise; default: 0"
+        "--seed", type=whole(0), default=0, help="seed of the sensors' errors and noise (default: 0)"
     )
     simulate.add_argument(
         "--stuck-spools", default="", metavar="AXES", help="axes whose spools do not move, e.g. 'boom, stick'"
@@ -98,14 +105,14 @@ def _add_simulate(commands: Subcommands) -> None:
         type=number(-1e6, 1e6, "N"),
         default=(0.0, 0.0, 0.0),
         metavar=("X", "Y", "Z"),
-        help="on the tip all the time, in the base frame [N]",
+        help="constant force on the tip, in the base frame [N]",
     )
     add_loads_option(simulate)
     simulate.add_argument(
         "--sensor-faults",
         default="",
         metavar="TEXT",
-        help="such as 'boom_resolver: frozen from 2 s; swing_flow: absent'",
+        help="faults of sensors, such as 'boom_resolver: frozen from 2 s; swing_flow: absent'",
     )
 
 
@@ -123,8 +130,12 @@ def _add_modes(commands: Subcommands) -> None:
         help="spool positions [V], the crane moving steadily through the pose; default: shut",
     )
     modes.add_argument("--json", action="store_true", help="print JSON in SI units")
-    modes.add_argument("--map", action="store_true", help="over the workspace, valves shut; needs --out")
-    modes.add_argument("--spacing", type=number(0.02, 2.0, "m"), default=0.1, help="of the map; default: 0.1")
+    modes.add_argument(
+        "--map", action="store_true", help="draw a map of the workspace, valves shut; needs --out"
+    )
+    modes.add_argument(
+        "--spacing", type=number(0.02, 2.0, "m"), default=0.1, help="spacing of the map [m] (default: 0.1)"
+    )
     modes.add_argument("--out", type=Path, metavar="DIR", help="directory to be made for the map")
 
 
@@ -136,9 +147,11 @@ def _add_export(commands: Subcommands) -> None:
         epilog=EPILOGUE,
     )
     exported.set_defaults(command=_export, parser=exported)
-    exported.add_argument("--fmu", required=True, metavar="NAME|FILE", dest="machine", help="the machine")
     exported.add_argument(
-        "--out", type=Path, metavar="FILE.fmu", help="to be made; default: the machine's name"
+        "--fmu", required=True, metavar="NAME|FILE", dest="machine", help="machine to be exported"
+    )
+    exported.add_argument(
+        "--out", type=Path, metavar="FILE.fmu", help="FMU to be made (default: the machine's name)"
     )
 
 

@@ -27,14 +27,14 @@ def add_run_options(parser: argparse.ArgumentParser) -> None:
         "--voltages",
         default="step",
         metavar="step|chirp|thesis|FILE.csv",
-        help="what drives the valves (default: %(default)s); a CSV has the columns time,swing,boom,stick "
+        help="voltages of the valves (default: %(default)s); a CSV has the columns time,swing,boom,stick "
         "in s and V, and each row holds until the next",
     )
     parser.add_argument(
         "--duration",
         type=number(0.01, LONGEST, "s"),
         metavar="S",
-        help="default: as long as the input, 60 for chirp",
+        help="length of the run (default: as long as the input; chirp 60)",
     )
     parser.add_argument("--out", type=Path, required=True, metavar="DIR", help="directory to be made")
     parser.add_argument(
@@ -42,23 +42,33 @@ def add_run_options(parser: argparse.ArgumentParser) -> None:
         nargs=3,
         type=number(-100.0, 100.0, "m"),
         metavar=("X", "Y", "Z"),
-        help=f"where the tip starts, at rest; default: {START}",
+        help=f"position of the tip at the start, at rest (default: {START})",
     )
     parser.add_argument(
         "--rate",
         type=number(0.1, 10_000.0, "Hz"),
         default=200.0,
-        help="of the rows [Hz]; default: 200",
+        help="rate of the rows [Hz] (default: 200)",
     )
     parser.add_argument(
         "--step",
         type=number(1e-6, 0.1, "s"),
         default=1e-3,
-        help="of the integrator [s]; default: 0.001",
+        help="step of the integrator [s] (default: 0.001)",
     )
-    parser.add_argument("--amplitude", type=volts, help="of step (4), chirp (4) and thesis (5) [V]")
-    parser.add_argument("--chirp-from", type=hertz, default=0.1, metavar="HZ", help="default: 0.1")
-    parser.add_argument("--chirp-to", type=hertz, default=5.0, metavar="HZ", help="default: 5")
+    parser.add_argument(
+        "--amplitude", type=volts, help="amplitude [V] (default: 4 of step and chirp, 5 of thesis)"
+    )
+    parser.add_argument(
+        "--chirp-from",
+        type=hertz,
+        default=0.1,
+        metavar="HZ",
+        help="first frequency of the chirp (default: 0.1)",
+    )
+    parser.add_argument(
+        "--chirp-to", type=hertz, default=5.0, metavar="HZ", help="last frequency of the chirp (default: 5)"
+    )
 
 
 def run_of(
@@ -132,14 +142,14 @@ def add_pose_options(parser: argparse.ArgumentParser) -> None:
         nargs=3,
         type=number(-100.0, 100.0, "m"),
         metavar=("X", "Y", "Z"),
-        help=f"where the tip is; default: {START}",
+        help=f"position of the tip (default: {START})",
     )
     pose.add_argument(
         "--angles",
         nargs=3,
         type=number(-720.0, 720.0, "deg"),
         metavar=("SWING", "BOOM", "STICK"),
-        help="the joints' angles [deg]",
+        help="angles of the joints [deg]",
     )
 
 

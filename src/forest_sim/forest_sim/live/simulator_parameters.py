@@ -20,18 +20,28 @@ class SimulatorParameters(NamedTuple):
     plain_arrays: Annotated[bool, Parameter("publish Float64MultiArray without stamp")] = False
     oil_warms: Annotated[bool, Parameter("false: the oil stays as warm as the machine file says")] = True
     rig: Annotated[bool, Parameter("a test rig: the second flow meter behind the swing's hose 1")] = False
-    noise_run: Annotated[str, Parameter("another name: other noise of the same sensors")] = ""
+    noise_run: Annotated[
+        str, Parameter("name of the run: another name draws other noise of the same sensors")
+    ] = ""
     sensor_noise: Annotated[bool, Parameter("errors, noise, lag and rate as in the machine file")] = False
-    seed: Annotated[int, Parameter("of the sensors' errors and noise", low=0)] = 0
-    sensor_static_errors: Annotated[bool, Parameter("with noise: units as before calibration")] = True
-    sensor_faults: Annotated[str, Parameter("e.g. boom_resolver: frozen from 2 s; swing_flow: absent")] = ""
+    seed: Annotated[int, Parameter("seed of the sensors' errors and noise", low=0)] = 0
+    sensor_static_errors: Annotated[bool, Parameter("with noise: sensors as before calibration")] = True
+    sensor_faults: Annotated[
+        str, Parameter("faults of sensors, such as boom_resolver: frozen from 2 s; swing_flow: absent")
+    ] = ""
     stuck_spools: Annotated[str, tunable("axes whose spools do not move")] = ""
-    tip_force: Annotated[tuple[float, ...], tunable("on the tip, base frame", "N")] = (0.0, 0.0, 0.0)
-    loads: Annotated[str, Parameter("logs in the head, e.g. 500 kg from 2 s; 0 kg from 6 s")] = ""
-    log_mass: Annotated[float, tunable("of the log that ~/grasp takes", "kg", 1.0, GREATEST_MASS)] = 500.0
-    log_length: Annotated[float, tunable("of the log that ~/grasp takes", "m", 0.0, GREATEST_LENGTH)] = (
-        LOG_LENGTH
+    tip_force: Annotated[tuple[float, ...], tunable("constant force on the tip, in the base frame", "N")] = (
+        0.0,
+        0.0,
+        0.0,
     )
+    loads: Annotated[str, Parameter("logs in the head, such as 500 kg from 2 s; 0 kg from 6 s")] = ""
+    log_mass: Annotated[float, tunable("mass of the log that ~/grasp takes", "kg", 1.0, GREATEST_MASS)] = (
+        500.0
+    )
+    log_length: Annotated[
+        float, tunable("length of the log that ~/grasp takes", "m", 0.0, GREATEST_LENGTH)
+    ] = LOG_LENGTH
 
 
 class CommanderParameters(NamedTuple):

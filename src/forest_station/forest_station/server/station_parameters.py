@@ -14,8 +14,8 @@ class StationParameters(NamedTuple):
     )
     port: Annotated[int, Parameter("port to listen on", low=1, high=65535)] = 8080
     bags: Annotated[str, Parameter("directory of the bags")] = "bags"
-    certificate: Annotated[str, Parameter("file of a TLS certificate; empty: one is made")] = ""
-    key: Annotated[str, Parameter("file of its key")] = ""
-    deadman_button: Annotated[int, Parameter("button of joy to hold", low=0, high=BUTTON_COUNT - 1)] = (
-        LEFT_SHOULDER
-    )
+    certificate: Annotated[str, Parameter("file of a TLS certificate; empty: a certificate is made")] = ""
+    key: Annotated[str, Parameter("file of the certificate's private key")] = ""
+    deadman_button: Annotated[
+        int, Parameter("button of joy to hold as the deadman", low=0, high=BUTTON_COUNT - 1)
+    ] = LEFT_SHOULDER

@@ -32,7 +32,12 @@ BYSTANDER, CHANCES = "valve.valve_driver.FILLING", 4  # what is changed by milli
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Give the verb its arguments."""
     add = parser.add_argument
-    add("--machine", default="c180", metavar="NAME|FILE", help="default: %(default)s")
+    add(
+        "--machine",
+        default="c180",
+        metavar="NAME|FILE",
+        help="machine, shipped or a file (default: %(default)s)",
+    )
     add(
         "--constants",
         nargs="+",
@@ -40,8 +45,14 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="ROOM",
         help=f"instead of mechanisms, constants of these rooms and nodes: {', '.join((*ROOMS, *NODES))}",
     )
-    add("--only", nargs="+", default=[""], metavar="TEXT", help="whose name has one of these in it")
-    add("--pushes", type=whole(1, 1000), default=20, metavar="N", help="of each overlap and tilt")
+    add(
+        "--only",
+        nargs="+",
+        default=[""],
+        metavar="TEXT",
+        help="mechanisms or constants whose name contains one of these",
+    )
+    add("--pushes", type=whole(1, 1000), default=20, metavar="N", help="pushes at each overlap and tilt")
     add(
         "--overlap",
         nargs="+",
@@ -56,7 +67,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         type=number(-15.0, 15.0, "deg"),
         default=[0.0],
         metavar="DEG",
-        help="of the platform while pushed, which the controller does not know (default: 0)",
+        help="tilt of the platform while pushed, unknown to the controller (default: 0)",
     )
 
 

@@ -20,7 +20,12 @@ HEAD = "| joint | overlap, V | believed | told: Hz | mrad | simulated: Hz | mrad
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Give the verb its arguments."""
-    parser.add_argument("--machine", default="c180", metavar="NAME|FILE", help="default: %(default)s")
+    parser.add_argument(
+        "--machine",
+        default="c180",
+        metavar="NAME|FILE",
+        help="machine, shipped or a file (default: %(default)s)",
+    )
     parser.add_argument(
         "--overlap",
         nargs="+",

@@ -29,17 +29,17 @@ class LinkError(ValueError):
 class DelayParameters(NamedTuple):
     """Of `delay_node`, beside the link's quality."""
 
-    topic_in: Annotated[str, Parameter("heard")] = "joy"
-    topic_out: Annotated[str, Parameter("said")] = "joy_late"
-    seed: Annotated[int, Parameter("of jitter and losses", low=0)] = 0
+    topic_in: Annotated[str, Parameter("topic to subscribe to")] = "joy"
+    topic_out: Annotated[str, Parameter("topic to publish")] = "joy_late"
+    seed: Annotated[int, Parameter("seed of jitter and losses", low=0)] = 0
 
 
 class Quality(NamedTuple):
     """How bad a link is."""
 
-    delay: Annotated[float, Parameter("of every message", "s", 0.0, LONGEST)] = 0.0
-    jitter: Annotated[float, Parameter("greatest extra delay, drawn evenly", "s", 0.0, LONGEST)] = 0.0
-    loss: Annotated[float, Parameter("probability of a message to be lost", "", 0.0, 1.0)] = 0.0
+    delay: Annotated[float, Parameter("delay of every message", "s", 0.0, LONGEST)] = 0.0
+    jitter: Annotated[float, Parameter("largest extra delay, uniformly drawn", "s", 0.0, LONGEST)] = 0.0
+    loss: Annotated[float, Parameter("probability that a message is lost", "", 0.0, 1.0)] = 0.0
 
     def checked(self) -> "Quality":
         """Return itself.

@@ -111,7 +111,11 @@ def _parse(arguments: Sequence[str] | None) -> argparse.Namespace:
         help="length of the session (default: 10, or the CSV's)",
     )
     parser.add_argument(
-        "--out", type=Path, default=Path("bags/demo"), metavar="DIR", help="default: %(default)s"
+        "--out",
+        type=Path,
+        default=Path("bags/demo"),
+        metavar="DIR",
+        help="directory to be made (default: %(default)s)",
     )
     parser.add_argument(
         "--lockstep",
@@ -123,7 +127,7 @@ def _parse(arguments: Sequence[str] | None) -> argparse.Namespace:
         type=number(0.1, 3600.0, "s"),
         default=GUARD,
         metavar="S",
-        help="in lockstep: end a run in which a message stays out for so long (default: %(default)g)",
+        help="in lockstep: end a run when a message is missing for this time (default: %(default)g)",
     )
     _add_session(parser)
     return parser.parse_args(arguments)
@@ -131,20 +135,26 @@ def _parse(arguments: Sequence[str] | None) -> argparse.Namespace:
 
 def _add_session(parser: argparse.ArgumentParser) -> None:
     """Add the flags of what happens in the session."""
-    parser.add_argument("--joystick", type=graph.source_path, default="thesis", metavar="thesis|FILE.csv|BAG")
+    parser.add_argument(
+        "--joystick",
+        type=graph.source_path,
+        default="thesis",
+        metavar="thesis|FILE.csv|BAG",
+        help="motion of the levers: the thesis' input, a CSV or a bag (default: %(default)s)",
+    )
     parser.add_argument(
         "--joystick-faults",
         type=partial(_parsed, parse_joystick_faults),
         default="",
         metavar="TEXT",
-        help="as 'lost from 3 s until 4 s; ...'",
+        help="faults of its link, such as 'lost from 3 s until 4 s'",
     )
     parser.add_argument(
         "--loads",
         type=partial(_parsed, parse_loads),
         default="",
         metavar="TEXT",
-        help="logs in the head, as '500 kg from 2 s; 0 kg from 6 s'",
+        help="logs in the head, such as '500 kg from 2 s; 0 kg from 6 s'",
     )
 
 

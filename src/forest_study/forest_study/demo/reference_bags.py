@@ -38,8 +38,14 @@ NAMES = tuple(LEFT_OUT)
 def main(arguments: Sequence[str] | None = None) -> int:
     """Make the bags; return the exit code."""
     parser = argparse.ArgumentParser(prog="scripts/bags.sh", description="Make the reference bags anew.")
-    parser.add_argument("--out", type=Path, default=Path("bags"), metavar="DIR", help="default: %(default)s")
-    parser.add_argument("names", nargs="*", metavar="NAME", help=f"of {', '.join(NAMES)}; default: all")
+    parser.add_argument(
+        "--out",
+        type=Path,
+        default=Path("bags"),
+        metavar="DIR",
+        help="directory of the bags (default: %(default)s)",
+    )
+    parser.add_argument("names", nargs="*", metavar="NAME", help=f"bags: {', '.join(NAMES)} (default: all)")
     parser.set_defaults(command=_make)
     return command_line.run("bags", parser.parse_args(arguments), (GraphError,))
 

@@ -36,16 +36,20 @@ MOST_STEPS = 200 * 86_400  # a day; stamps of the wall clock are far beyond
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the arguments of the command."""
-    parser.add_argument("bag", type=Path, help="recorded in lockstep")
+    parser.add_argument("bag", type=Path, help="bag, recorded in lockstep")
     parser.add_argument(
         "--nodes",
         nargs="+",
         choices=tuple(MODULES),
         default=["controller"],
-        help="that run; the bag says the rest (default: controller); simulator: all run, it says only /joy",
+        help="nodes to run (default: controller), the rest from the bag; simulator: all but the joystick run",
     )
     parser.add_argument(
-        "--tolerance", nargs="*", default=[], metavar="T", help="as of `forest-bag compare`; default: 0"
+        "--tolerance",
+        nargs="*",
+        default=[],
+        metavar="T",
+        help="tolerances, as of `forest-bag compare` (default: 0)",
     )
     parser.add_argument(
         "--set",
@@ -53,7 +57,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         default=[],
         type=change,
         metavar="NODE.PARAMETER=VALUE",
-        help="differ from the recorded run in this",
+        help="parameter that differs from the recorded run",
     )
 
 

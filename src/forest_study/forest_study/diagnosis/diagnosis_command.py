@@ -9,7 +9,7 @@ from forest_study.results import new_directory, write_json
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the command's options."""
-    text = "of forest-study sweep, with kind: diagnosis (docs/explanation/diagnosis.md)"
+    text = "sweeps of kind: diagnosis (docs/explanation/diagnosis.md)"
     parser.add_argument("sweeps", type=Path, nargs="+", metavar="SWEEP", help=text)
 
 

@@ -35,19 +35,29 @@ def add_parser(verbs: Subcommands) -> None:
     """Name the verb's flags."""
     text = "run the experiments of the identification, on a simulated machine or on the graph that runs"
     parser = subcommand(verbs, "experiment", text, run)
-    parser.add_argument("name", metavar="NAME|all", help="an experiment; 'list' tells them with their set-up")
+    parser.add_argument(
+        "name", metavar="NAME|all", help="name of an experiment; 'list' prints all with their set-up"
+    )
     parser.add_argument(
         "--machine", metavar="NAME|FILE", help=f"default: {DEFAULT}; with --live: the valve driver's"
     )
-    parser.add_argument("--out", type=Path, metavar="DIR", help="to be made; gets one bag per experiment")
     parser.add_argument(
-        "--seed", type=whole(0), default=0, metavar="N", help="of sensors and lots (default: 0)"
+        "--out", type=Path, metavar="DIR", help="directory to be made, with one bag per experiment"
+    )
+    parser.add_argument(
+        "--seed",
+        type=whole(0),
+        default=0,
+        metavar="N",
+        help="seed of sensor noise and drawn values (default: 0)",
     )
     parser.add_argument("--exact", action="store_true", help="exact sensors instead of Table 4.2's")
     how = parser.add_mutually_exclusive_group()
-    how.add_argument("--live", action="store_true", help="on the graph that is running: the crane moves")
-    how.add_argument("--direct", action="store_true", help="without a graph, in this process: fast")
-    parser.add_argument("--yes", action="store_true", help="with --live: all is prepared, do not ask")
+    how.add_argument("--live", action="store_true", help="run on the live graph: the crane moves")
+    how.add_argument("--direct", action="store_true", help="run in this process, without a graph: fast")
+    parser.add_argument(
+        "--yes", action="store_true", help="with --live: start without the question whether all is prepared"
+    )
     parser.add_argument(
         "--timeout",
         type=number(0.01, 1.0, "s"),
@@ -61,7 +71,7 @@ def add_parser(verbs: Subcommands) -> None:
         type=number(2.5, 1e6, "s"),
         default=math.inf,
         metavar="S",
-        help="cut every programme off there",
+        help="end each experiment after this time",
     )
     parser.add_argument(
         "--namespace", type=ros_namespace, default="/", help="ROS namespace of the graph (default: /)"

@@ -17,16 +17,28 @@ STATES = {state.value: state for state in State}
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the command's options."""
     add = parser.add_argument
-    add("--only", nargs="+", choices=tuple(FAULTS), metavar="FAULT", help="some faults (default: all)")
+    add(
+        "--only",
+        nargs="+",
+        choices=tuple(FAULTS),
+        metavar="FAULT",
+        help="faults to be injected (default: all)",
+    )
     add(
         "--state",
         nargs="+",
         choices=tuple(STATES),
         metavar="STATE",
-        help=f"{', '.join(STATES)}; default: all",
+        help=f"states: {', '.join(STATES)} (default: all)",
     )
-    add("--seeds", type=whole(1, 1000), default=20, metavar="N", help="default: %(default)s")
-    add("--machine", default="c180", help="default: %(default)s")
+    add(
+        "--seeds",
+        type=whole(1, 1000),
+        default=20,
+        metavar="N",
+        help="seeds of each cell (default: %(default)s)",
+    )
+    add("--machine", default="c180", help="machine, shipped or a file (default: %(default)s)")
 
 
 def run(options: argparse.Namespace) -> int:

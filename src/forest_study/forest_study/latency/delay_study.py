@@ -114,11 +114,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the command's options."""
     add = parser.add_argument
     add("--machine", default="c180", help="shipped machine or file (default: %(default)s)")
-    add(
-        "--jitter", type=float, default=0.0, metavar="S", help="greatest extra delay (default: %(default)s s)"
-    )
+    add("--jitter", type=float, default=0.0, metavar="S", help="largest extra delay (default: %(default)s s)")
     add("--loss", type=float, default=0.0, metavar="P", help="share of lost messages (default: %(default)s)")
-    add("--seed", type=int, default=0, metavar="N", help="of jitter and loss (default: %(default)s)")
+    add("--seed", type=int, default=0, metavar="N", help="seed of jitter and loss (default: %(default)s)")
 
 
 def run(options: argparse.Namespace) -> int:

@@ -160,8 +160,15 @@ def _reached(place: Floats, machine: Machine) -> bool:
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the command's options."""
     add = parser.add_argument
-    add("--machine", default="c180", metavar="NAME|FILE", help="default: %(default)s")
-    add("--targets", type=whole(1, 1000), default=20, metavar="N", help="default: %(default)s")
+    add(
+        "--machine",
+        default="c180",
+        metavar="NAME|FILE",
+        help="machine, shipped or a file (default: %(default)s)",
+    )
+    add(
+        "--targets", type=whole(1, 1000), default=20, metavar="N", help="drawn targets (default: %(default)s)"
+    )
 
 
 def run(options: argparse.Namespace) -> int:

@@ -173,11 +173,11 @@ def score(moved: Trajectory, session: Session) -> dict[str, dict[str, float]]:
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the command's options."""
-    parser.add_argument("bag", type=Path, metavar="BAG", help="of a live session on the simulator")
+    parser.add_argument("bag", type=Path, metavar="BAG", help="bag of a live session on the simulator")
     parser.add_argument(
         "--machine",
         default="c180_hoses",
-        help="shipped machine or file that it ran with (default: %(default)s)",
+        help="machine of the session, shipped or a file (default: %(default)s)",
     )
 
 

@@ -75,10 +75,16 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the command's options."""
     add = parser.add_argument
     add("--machine", default="c180", help="shipped machine or file (default: %(default)s)")
-    add("--task", choices=(*tasks.NAMES, "all"), default="all", help="default: %(default)s")
-    add("--seed", type=whole(0), default=0, metavar="N", help="of the first episode (default: %(default)s)")
+    add("--task", choices=(*tasks.NAMES, "all"), default="all", help="task, or all (default: %(default)s)")
+    add(
+        "--seed",
+        type=whole(0),
+        default=0,
+        metavar="N",
+        help="seed of the first episode (default: %(default)s)",
+    )
     add("--seeds", type=whole(1, 1000), default=10, metavar="N", help="episodes (default: %(default)s)")
-    add("--mismatch", action="store_true", help="the simulated machine is drawn by the seed")
+    add("--mismatch", action="store_true", help="draw the simulated machine by the seed")
 
 
 def run(options: argparse.Namespace) -> int:

@@ -19,17 +19,22 @@ from forest_study.sweep.sweep_command import run_the_rest
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the command's options."""
     add = parser.add_argument
-    add("--machine", default="forwarder", metavar="NAME|FILE", help="default: %(default)s")
-    text = "what the levers move; the others are compared with the first (default: joint tip assisted)"
+    add(
+        "--machine",
+        default="forwarder",
+        metavar="NAME|FILE",
+        help="machine, shipped or a file (default: %(default)s)",
+    )
+    text = "modes of the levers; the first is what the others are compared with (default: joint tip assisted)"
     add("--mode", nargs="+", choices=MODES, default=list(MODES[:3]), help=text)
-    text = "novice, expert, or files (default: both); live: a person, from --bag"
+    text = "operators: novice, expert, or files (default: both); live: a person, from --bag"
     add("--operator", nargs="+", default=["novice", "expert"], metavar="MODEL", help=text)
-    text = "persons, two or more for intervals; default: %(default)s"
+    text = "simulated persons, two or more for intervals (default: %(default)s)"
     add("--seeds", type=whole(1, 100_000), default=10, metavar="N", help=text)
-    text = "round trips of the joystick's link, s; default: 0"
+    text = "round-trip times of the joystick's link [s] (default: 0)"
     add("--trip", nargs="+", type=number(0.0, 1.0, "s"), default=[0.0], metavar="T", help=text)
-    add("--bag", type=Path, metavar="BAG", help="a person's recorded run, for --operator live")
-    add("--workers", type=whole(1, 1024), metavar="N", help="processes (default: one a core)")
+    add("--bag", type=Path, metavar="BAG", help="recorded run of a person, for --operator live")
+    add("--workers", type=whole(1, 1024), metavar="N", help="processes (default: one per core)")
 
 
 def run(options: argparse.Namespace) -> int:

@@ -14,13 +14,38 @@ from forest_study.results import new_directory, require_llvm, write_json
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the command's options."""
     add, rows = parser.add_argument, matrix_rows()
-    add("--seeds", type=whole(1, 1000), default=10, metavar="N", help="default: %(default)s")
-    add("--seed", type=whole(0), default=0, metavar="N", help="the first (default: %(default)s)")
-    add("--machine", default="c180", help="what is believed, and drawn from (default: %(default)s)")
+    add(
+        "--seeds",
+        type=whole(1, 1000),
+        default=10,
+        metavar="N",
+        help="plants of each row (default: %(default)s)",
+    )
+    add(
+        "--seed", type=whole(0), default=0, metavar="N", help="seed of the first plant (default: %(default)s)"
+    )
+    add(
+        "--machine",
+        default="c180",
+        help="machine file of the controller, around which plants are drawn (default: %(default)s)",
+    )
     add("--row", nargs="+", choices=tuple(rows), metavar="NAME", help=f"{', '.join(rows)} (default: all)")
-    add("--only", nargs="+", choices=FACTORS, default=(), metavar="FACTOR", help="plants differ in it alone")
-    add("--without", nargs="+", choices=FACTORS, default=(), metavar="FACTOR", help="in all but this one")
-    add("--laps", type=whole(1, 20), default=1, metavar="N", help="the last is judged (default: %(default)s)")
+    add("--only", nargs="+", choices=FACTORS, default=(), metavar="FACTOR", help="vary only these factors")
+    add(
+        "--without",
+        nargs="+",
+        choices=FACTORS,
+        default=(),
+        metavar="FACTOR",
+        help="vary all factors but these",
+    )
+    add(
+        "--laps",
+        type=whole(1, 20),
+        default=1,
+        metavar="N",
+        help="laps, of which the last is judged (default: %(default)s)",
+    )
     add(
         "--scheme",
         nargs="+",

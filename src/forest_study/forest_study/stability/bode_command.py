@@ -34,23 +34,30 @@ class Result(NamedTuple):
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Give the verb its arguments."""
-    parser.add_argument("--machine", default="c180", metavar="NAME|FILE", help="default: %(default)s")
+    parser.add_argument(
+        "--machine",
+        default="c180",
+        metavar="NAME|FILE",
+        help="machine, shipped or a file (default: %(default)s)",
+    )
     parser.add_argument(
         "--tip",
         nargs=3,
         action="append",
         type=number(-100.0, 100.0, "m"),
         metavar=("X", "Y", "Z"),
-        help="pose to look at, more than once for more; default: where the simulator starts",
+        help="position of the tip, may be repeated (default: where the simulator starts)",
     )
     parser.add_argument(
         "--voltage",
         type=number(-24.0, 24.0, "V"),
         default=VOLTAGE,
         metavar="V",
-        help="of the joint's spool, in whose motion its loop is looked at; default: %(default)g",
+        help="voltage of the joint's spool at the operating point (default: %(default)g)",
     )
-    add_profile_option(parser, "whose gains the loops have, as tune writes (default: by the machine's rule)")
+    add_profile_option(
+        parser, "profile whose gains are used, as tune writes them (default: gains by the machine's rule)"
+    )
 
 
 def run(options: argparse.Namespace) -> int:

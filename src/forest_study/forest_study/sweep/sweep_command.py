@@ -19,10 +19,10 @@ EVERY = 1.0  # [s] between two words on progress
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the command's options."""
-    parser.add_argument("study", type=Path, metavar="STUDY.yaml", help="what is run: docs/how-to/sweep.md")
-    text = "of a Dask cluster, as tcp://host:8786 (default: all cores of this machine)"
+    parser.add_argument("study", type=Path, metavar="STUDY.yaml", help="study file: docs/how-to/sweep.md")
+    text = "address of a Dask cluster, such as tcp://host:8786 (default: all cores of this machine)"
     parser.add_argument("--scheduler", metavar="ADDRESS", help=text)
-    text = "processes of this machine (default: one a core)"
+    text = "processes on this machine (default: one per core)"
     parser.add_argument("--workers", type=whole(1, 1024), metavar="N", help=text)
 
 

@@ -31,13 +31,13 @@ TIP_SCHEMES = tuple(label for label in LABELS if label != "joint")
 class TrackKeys(NamedTuple):
     """A path of the tip in closed loop: `forest-study track`."""
 
-    machine: Annotated[str, Parameter("what is simulated: shipped machine, unknown:SEED, or a file")] = "c180"
-    model: Annotated[str, Parameter("what controller and driver believe; empty: the machine")] = ""
+    machine: Annotated[str, Parameter("simulated machine: shipped, unknown:SEED, or a file")] = "c180"
+    model: Annotated[str, Parameter("machine file of controller and driver; empty: the simulated one")] = ""
     path: Annotated[str, Parameter("sweep, radial, vertical, circle_h, circle_v, or a CSV file")] = "sweep"
     speed: Annotated[float, Parameter("wished", "m/s", 0.01, 3.0)] = 0.5
     scheme: Annotated[str, Parameter("of control", choices=TIP_SCHEMES)] = "coordinated"
     laps: Annotated[int, Parameter("of the path; all are judged", low=1, high=1000)] = 1
-    noise: Annotated[bool, Parameter("sensors jitter")] = True
+    noise: Annotated[bool, Parameter("simulate the sensors' noise")] = True
     mismatch: Annotated[str, Parameter("ranges from which a seed's machine is drawn; empty: none")] = ""
 
 

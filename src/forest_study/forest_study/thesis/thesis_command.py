@@ -11,7 +11,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--plant",
         choices=("linear", "machine"),
         default="linear",
-        help="the thesis' linear joints, or what it left open: the full machine (default: %(default)s)",
+        help="linear joints as in the thesis, or the full machine (default: %(default)s)",
     )
 
 

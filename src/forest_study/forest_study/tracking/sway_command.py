@@ -53,16 +53,27 @@ class Run(NamedTuple):
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Give the verb its arguments."""
     add = parser.add_argument
-    add("--machine", default="loader", metavar="NAME|FILE", help="default: %(default)s")
-    add("--speed", type=number(0.05, 3.0, "m/s"), default=0.5, metavar="V", help="m/s; default: %(default)s")
+    add(
+        "--machine",
+        default="loader",
+        metavar="NAME|FILE",
+        help="machine, shipped or a file (default: %(default)s)",
+    )
+    add(
+        "--speed",
+        type=number(0.05, 3.0, "m/s"),
+        default=0.5,
+        metavar="V",
+        help="speed [m/s] (default: %(default)s)",
+    )
     add(
         "--seconds",
         type=number(0.2, 10.0, "s"),
         default=1.5,
         metavar="T",
-        help="of deflection; default: %(default)s",
+        help="time of deflection (default: %(default)s)",
     )
-    text = "kg in the head, which the controller does not know; default: the machine's own load"
+    text = "mass of the log [kg], unknown to the controller (default: the machine's own load)"
     add("--log", type=number(0.0, 1e4, "kg"), metavar="MASS", help=text)
 
 

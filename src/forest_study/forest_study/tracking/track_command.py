@@ -40,14 +40,14 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add("--speed", type=number(0.01, 3.0, "m/s"), default=0.5, metavar="V", help="m/s (default: %(default)s)")
     add("--scheme", choices=[label for label in LABELS if label != "joint"], default="coordinated")
     sources = [source.name.lower() for source in Source]
-    text = "what tells boom and stick (default: %(default)s)"
+    text = "sensors of boom and stick (default: %(default)s)"
     add("--position-source", choices=sources, default=Source.CYLINDERS.name.lower(), help=text)
-    add("--machine", default="c180", help="what is simulated: shipped machine or file (default: %(default)s)")
-    add("--model", help="what controller and driver believe (default: the machine)")
-    add_profile_option(parser, "whose gains the controller has, as tune writes; its levers stay exact")
-    add("--noise", action="store_true", help="sensors jitter")
+    add("--machine", default="c180", help="simulated machine, shipped or a file (default: %(default)s)")
+    add("--model", help="machine file of controller and driver (default: the simulated one)")
+    add_profile_option(parser, "profile whose gains are used, as tune writes them; its lever curves are not")
+    add("--noise", action="store_true", help="simulate the sensors' noise")
     add("--static-errors", action="store_true", help="with --noise: uncalibrated sensors")
-    add("--seed", type=whole(0), default=0, metavar="N", help="of the first run (default: %(default)s)")
+    add("--seed", type=whole(0), default=0, metavar="N", help="seed of the first run (default: %(default)s)")
     add(
         "--runs",
         "--seeds",
@@ -66,8 +66,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     learns = "the valve driver learns deadbands and gains on the way (default: it does)"
     add("--adapt", action=argparse.BooleanOptionalAction, default=True, help=learns)
-    add("--laps", type=whole(1, 1000), default=1, metavar="N", help="default: %(default)s")
-    add("--through-ros", action="store_true", help="the nodes make every run, in lockstep; same figures")
+    add(
+        "--laps", type=whole(1, 1000), default=1, metavar="N", help="laps of each path (default: %(default)s)"
+    )
+    add("--through-ros", action="store_true", help="run the nodes, in lockstep; the figures are the same")
 
 
 def run(options: argparse.Namespace) -> int:

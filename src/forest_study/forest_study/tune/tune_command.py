@@ -23,14 +23,19 @@ NOT_DRIVEN = ("load",)  # rows without a path
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the command's options."""
     add, rows = parser.add_argument, [name for name in matrix_rows() if name not in NOT_DRIVEN]
-    add("--machine", default="c180", metavar="NAME|FILE", help="default: %(default)s")
-    text = f"of the matrix, whose plants are driven: {', '.join(rows)} (default: plain)"
+    add(
+        "--machine",
+        default="c180",
+        metavar="NAME|FILE",
+        help="machine, shipped or a file (default: %(default)s)",
+    )
+    text = f"rows of the matrix whose plants are driven: {', '.join(rows)} (default: plain)"
     add("--row", nargs="+", choices=rows, default=["plain"], metavar="NAME", help=text)
-    text = "plants, 2 at least (default: %(default)s)"
+    text = "plants of the search, 2 at least (default: %(default)s)"
     add("--seeds", type=whole(2, 1000), default=8, metavar="N", help=text)
-    text = "plants that judge, none of the search's; 2 at least (default: %(default)s)"
+    text = "other plants that judge the result, 2 at least (default: %(default)s)"
     add("--unseen", type=whole(2, 1000), default=24, metavar="N", help=text)
-    text = f"gains that are tried at most; {LEAST} at least (default: %(default)s)"
+    text = f"largest number of gains to be tried, {LEAST} at least (default: %(default)s)"
     add("--trials", type=whole(LEAST, 10_000), default=60, metavar="N", help=text)
 
 

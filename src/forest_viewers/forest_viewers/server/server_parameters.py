@@ -9,8 +9,8 @@ class ServerParameters(NamedTuple):
     """Of `foxglove_node`."""
 
     port: Annotated[
-        int, Parameter("TCP port on the loopback address; 0: a free one, which the log tells", "", 0, 65535)
+        int, Parameter("TCP port on the loopback address; 0: a free one, named in the log", "", 0, 65535)
     ] = 8765
-    read_only: Annotated[
-        bool, Parameter("clients only look: no parameter is set, no service called, nothing published")
-    ] = False
+    read_only: Annotated[bool, Parameter("clients may only read: no parameters, services or publishing")] = (
+        False
+    )
