@@ -6,7 +6,7 @@
 | gain | of every valve and direction: flow at a drop, times 1 -+ gain, evenly | 0.4 |
 | head_mass | times 1/head_mass .. head_mass, its logarithm evenly | 2 |
 | spool | bandwidth of all spools, likewise; one that follows at once stays | 1.5 |
-| stiffness | of each axis' hoses, and of all oil: times 1 -+ stiffness, evenly | 0 |
+| stiffness | of each axis' hoses (of geometric ones, of the wall), and of all oil: times 1 -+ stiffness, evenly | 0 |
 | tilt | of the platform, +-tilt, evenly | 0 deg |
 | head | mass of the head with its load, 0 .. head, evenly; not under what hangs there | as in the file |
 | dead_time, hysteresis | of all valves, 0 .. so much, evenly; 0: none | as in the file |
@@ -181,10 +181,10 @@ def drawn(machine: Machine, m: Mismatch) -> Machine:
 def _own(machine: Machine, axis: int, m: Mismatch) -> dict[str, Any]:
     """Return an axis' own hose and valve, and its link."""
     own, hose = machine.drives[axis].valve, machine.hose_of(axis)
-    if m.hoses[axis] != 1.0:
-        if not isinstance(hose, MeasuredHose):
-            raise MachineError("the stiffness of a geometric hose is not drawn; allowed: a measured one")
+    if isinstance(hose, MeasuredHose):
         hose = dataclasses.replace(hose, capacitance=hose.capacitance / m.hoses[axis])
+    elif hose.wall_modulus is not None:  # its oil is drawn by itself
+        hose = dataclasses.replace(hose, wall_modulus=hose.wall_modulus * m.hoses[axis])
     return {"hose": hose, "valve": own and _played(own, m), "elasticity": _bent(machine, axis, m)}
 
 
