@@ -69,6 +69,7 @@ class State(NamedTuple):
     estimates: ValveEstimates = (NO_ESTIMATE, NO_ESTIMATE, NO_ESTIMATE)
     ahead: float = 0.0  # [s] for how long a voltage may stay in force
     borne: float = 0.0  # swing's load, low-passed more slowly [N m]
+    rocking: Vec3 = (0.0, 0.0, 0.0)  # load less its low-passed one [N m, N, N]
     place: float = math.inf  # swing's position behind the same low-pass [rad]; infinite: not measured
 
 
@@ -209,12 +210,24 @@ def _fed(
     """
     axis, held, scale = p.axes[i], abs(command) < HOLD_COMMAND, _leakage(p.axes[i])
     borne = scale * _borne_at_rest(state, position, axis) if i == 0 else 0.0
-    leaked = borne if held else scale * state.loads[i]
+    leaked = borne if held else scale * state.loads[i] - _given_way(command, state.rocking[i], axis)
     fed, least = command + leaked if command != 0.0 else 0.0, axis.least_fed
     leaks = abs(borne) > _least_leakage(borne, state.spools[i], least)
     opens = min(least, p.hold_zone) if leaks else p.hold_zone
     side = math.copysign(1.0, borne) if leaks else 0.0
     return held_command(state.holds[i], fed, p.hold_zone, opens, side, p.command_noises[i], held, dt)
+
+
+def _given_way(command: float, rocking: float, axis: AxisDriver) -> float:
+    """Return the command [V] that a load takes off; never more than there is of it.
+
+    Args:
+        command: [V].
+        rocking: load less what of it stays [N; N m].
+        axis: whose `load_feedback` counts.
+    """
+    given = axis.valve.forward.rated_voltage * axis.load_feedback * rocking / axis.rated_speed
+    return max(-abs(command), min(abs(command), given))
 
 
 def _leakage(axis: AxisDriver) -> float:
@@ -292,7 +305,7 @@ def _filter_loads(
 ) -> State:
     """Return the state with its loads and means a step on; position: of the swing [rad]."""
     if not measured:
-        state = state._replace(loads=REST.loads, primed=False, means=REST.means)
+        state = state._replace(loads=REST.loads, primed=False, means=REST.means, rocking=REST.rocking)
         return state._replace(borne=REST.borne, place=REST.place)
     weight = 1.0 - math.exp(-p.load_bandwidth * dt) if state.primed else 1.0
     fast = 1.0 - math.exp(-FILLING * dt) if state.primed else 1.0
@@ -304,6 +317,7 @@ def _filter_loads(
         loads=(swing[0], boom[0], stick[0]),
         primed=True,
         means=(swing[1], boom[1], stick[1]),
+        rocking=(swing[2], boom[2], stick[2]),
         borne=state.borne + slow * (swing[0] - state.borne),
         place=_followed(state.place, position, slow),
     )
@@ -318,15 +332,13 @@ def _followed(before: float, position: float, weight: float) -> float:
 
 def _filtered(
     i: int, state: State, pressures: Pressures, axis: AxisDriver, weight: float, fast: float
-) -> tuple[float, float]:
-    """Return an axis' load and mean pressure behind their low-passes."""
+) -> Vec3:
+    """Return an axis' load and mean pressure behind their low-passes, and what the load is above its own."""
     one, two = pressures.port_1[i], pressures.port_2[i]
     load = axis.displacement_1 * one - axis.displacement_2 * two
     ratio = axis.displacement_2 / axis.displacement_1
-    return (
-        state.loads[i] + weight * (load - state.loads[i]),
-        state.means[i] + fast * (0.5 * (one + two * ratio) - state.means[i]),
-    )
+    slow = state.loads[i] + weight * (load - state.loads[i])
+    return slow, state.means[i] + fast * (0.5 * (one + two * ratio) - state.means[i]), load - slow
 
 
 def _learn(

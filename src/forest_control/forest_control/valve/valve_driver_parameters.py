@@ -7,6 +7,7 @@ cylinder; motor.
 import math
 from typing import Annotated, NamedTuple
 
+from forest_control.valve.load_feedback import load_feedback
 from forest_control.valve.spool_model import SpoolLaw, after
 from forest_control.valve.valve_adaptation import AdaptationParameters
 from forest_control.valve.valve_flow import FlowParameters, Yielding
@@ -42,6 +43,7 @@ class AxisDriver(NamedTuple):
     oil_1: Yielding = Yielding()
     oil_2: Yielding = Yielding()
     middle: float = 0.0  # [m; rad] position that is assumed while none is measured
+    load_feedback: float = 0.0  # [m/s per N; rad/s per N m] speed that a load above its mean takes off
 
 
 Axes = tuple[AxisDriver, AxisDriver, AxisDriver]
@@ -176,6 +178,7 @@ def _axis_driver(machine: Machine, axis: int, speed: float, beyond_valve: bool, 
         oil_1=_oil(machine, axis, 1),
         oil_2=_oil(machine, axis, 2),
         middle=_middle(machine, axis),
+        load_feedback=_load_feedback(machine, axis) if driver.metering_drop < math.inf else 0.0,
     )
 
 
@@ -202,6 +205,15 @@ def _middle(machine: Machine, axis: int) -> float:
         return 0.0
     drive = machine.boom if axis == 1 else machine.stick
     return drive.retracted_length + 0.5 * drive.stroke
+
+
+def _load_feedback(machine: Machine, axis: int) -> float:
+    """Return c of `load_feedback` for an axis whose flow heeds no load."""
+    x, stiffness = _middle(machine, axis), 0.0
+    for port, displacement in zip((1, 2), displacements(machine, axis), strict=True):
+        oil = _oil(machine, axis, port)
+        stiffness += displacement**2 / (oil.fixed + oil.growing * x)
+    return load_feedback(machine, axis, stiffness)
 
 
 def _spool(machine: Machine, axis: int) -> SpoolLaw:
