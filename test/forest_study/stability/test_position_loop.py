@@ -10,7 +10,7 @@ from forest_control.config.controller_settings import Settings
 from forest_description.machine import load_machine
 from forest_description.types import AXES
 from forest_msgs_py.types import PERIOD
-from forest_sim.analysis.frequency_response import rate_response
+from forest_sim.analysis.frequency_response import response_of
 from forest_sim.analysis.modes import operating_point, unguarded
 from forest_sim.equations.plant import at_joints
 from forest_sim.equations.plant_parameters import plant_parameters
@@ -27,7 +27,7 @@ TIP = (5.5, 0.0, 1.0)
 def swings(machine, axis, volts, gain, seconds):
     """Drive a joint through its pose by u = a + K (r - s), a period late; return the errors [rad]."""
     p, angles = unguarded(plant_parameters(machine)), start_angles(machine, TIP)
-    rate, response = rate_response(angles, axis, volts, p, FREQUENCY[:1])
+    rate, response, *_ = response_of(angles, axis, volts, p, FREQUENCY[:1])
     begun = tuple(q - 0.5 * rate * seconds * (place == axis) for place, q in enumerate(angles))
     given = [volts if place == axis else 0.0 for place in range(3)]
     point, advance = operating_point(begun, tuple(given), p), compiled_advance()

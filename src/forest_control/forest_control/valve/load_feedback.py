@@ -21,7 +21,8 @@ from forest_description.derived.limits import joint_limits
 from forest_description.geometry.linkage import lever_arm
 from forest_description.machine import Machine
 
-DAMPING = 0.15  # [1] zeta: twice as much lets the load's own changes slow the motion
+import os
+DAMPING = float(os.environ.get("ZETA","0.15"))
 
 
 def load_feedback(machine: Machine, axis: int, stiffness: float) -> float:

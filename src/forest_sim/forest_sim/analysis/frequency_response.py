@@ -1,16 +1,18 @@
-"""How a joint answers a small oscillation of its spool, about a steady motion.
+"""How a joint and its pressures answer a small oscillation of its spool, about a steady motion.
 
 | symbol | name | unit |
 |---|---|---|
 | A | `modes.linearise` | 1/s |
 | B | df/du of the spool's position, by central differences | |
 | H(jw) | joint rate, of an elastic link's root, over spool position, c (jw - A)^-1 B | rad/(s V) |
+| P(jw) | pressure at an actuator's port over spool position, alike | Pa/V |
 
 It holds for amplitudes that keep the valve open and the pose near, and for load-holding valves, flow
 forces and tank line that stand as they are (`modes`).
 """
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 
@@ -21,13 +23,20 @@ from forest_sim.hydraulics.spool_dynamics import Spool, SpoolLag
 from forest_sim.mechanics.gear import without_play
 
 DIFFERENCE = 1e-4  # [V] of a spool
-RATE = 1  # place of an axis', or a root's, rate among its states
+RATE, PRESSURE_1, PRESSURE_2 = 1, 2, 3  # places among an axis' states; of a rate among a root's, too
 
 
-def rate_response(
-    angles: Vec3, axis: int, voltage: float, p: PlantParameters, frequency: Floats
-) -> tuple[float, Complexes]:
-    """Return the rate of a joint in steady motion [rad/s], and H at some frequencies.
+class Response(NamedTuple):
+    """What a joint answers, at some frequencies."""
+
+    steady_rate: float  # [rad/s] in whose motion it answers
+    rate: Complexes  # [n] H
+    pressure_1: Complexes  # [n] P
+    pressure_2: Complexes
+
+
+def response_of(angles: Vec3, axis: int, voltage: float, p: PlantParameters, frequency: Floats) -> Response:
+    """Return how a joint in steady motion answers its spool.
 
     Args:
         angles: pose through which the joint moves [rad].
@@ -53,10 +62,11 @@ def rate_response(
     elastic = p.elastic.links[axis].inertia > 0.0
     place = kept.index((ROOTS + 2 * axis if elastic else 6 * axis) + RATE)
     values, vectors = np.linalg.eig(a)
-    weights = vectors[place] * np.linalg.solve(vectors, b.astype(complex))
+    places = [place, *(kept.index(6 * axis + port) for port in (PRESSURE_1, PRESSURE_2))]
+    weights = vectors[places] * np.linalg.solve(vectors, b.astype(complex))
     s = 2j * math.pi * frequency[:, np.newaxis]
-    response: Complexes = np.sum(weights / (s - values), axis=1)
-    return point.plant.axes[axis].rate, response
+    answers = [np.sum(row / (s - values), axis=1) for row in weights]
+    return Response(point.plant.axes[axis].rate, *answers)
 
 
 def spool_response(lag: SpoolLag, frequency: Floats) -> Complexes:

@@ -3,7 +3,9 @@
 | symbol | name | unit |
 |---|---|---|
 | H | joint rate over spool position, `forest_sim.analysis.frequency_response` | rad/(s V) |
-| G | joint angle over commanded rate: S(s) H(s)/H(0) exp(-T s)/s; the driver makes the gain one | s |
+| D | spool position over commanded rate, S(s)/H(0) exp(-T s); the driver makes the gain one | s V/rad |
+| F | rate that the driver takes off for the load that the spool makes, `load_feedback` | rad/(s V) |
+| G | joint angle over commanded rate: H D/(1 + F D)/s | s |
 | S | spool over voltage | |
 | T | from a sample to the middle of the period in which its command acts | s |
 | C | the servo of `coordinated`: K_p + K_i/s + D s, with the errors' low-pass in slow motion | 1/s |
@@ -16,11 +18,13 @@ from typing import NamedTuple
 import numpy as np
 
 from forest_control.config.controller_settings import Settings, with_gains
-from forest_control.servo.gain_rule import servo_response
+from forest_control.servo.gain_rule import given_way_share, servo_response
+from forest_description.derived.actuator_kinematics import displacements
+from forest_description.geometry.linkage import lever_arm
 from forest_description.machine import Machine
 from forest_description.types import Complexes, Floats, Vec3
 from forest_msgs_py.types import PERIOD
-from forest_sim.analysis.frequency_response import rate_response, spool_response
+from forest_sim.analysis.frequency_response import response_of, spool_response
 from forest_sim.equations.plant_parameters import plant_parameters
 from forest_sim.hydraulics.spool_dynamics import spool_lag
 
@@ -53,10 +57,17 @@ def position_loop(
     Raises:
         ValueError: the voltage leaves the valve shut.
     """
-    rate, response = rate_response(angles, axis, voltage, plant_parameters(machine), FREQUENCY)
+    answer = response_of(angles, axis, voltage, plant_parameters(machine), FREQUENCY)
     s: Complexes = 2j * math.pi * FREQUENCY
     spool = spool_response(spool_lag(machine.valve_of(axis)), FREQUENCY)
-    plant = spool * response / abs(response[0]) * np.exp(-LATE * s) / s
+    driven = spool / abs(answer.rate[0]) * np.exp(-LATE * s)
+    one, two = displacements(machine, axis)
+    arm = 1.0 if axis == 0 else lever_arm(angles[axis], machine.linkages[axis - 1])
+    torque = arm * (one * answer.pressure_1 - two * answer.pressure_2)
+    given_way = given_way_share(machine, angles, axis, s) * torque
+    plant = answer.rate * driven / (1.0 + given_way * driven) / s
     told = with_gains(machine, settings)
     gains = told.feedback_gain[axis], told.integral_gain[axis], told.rate_gain[axis]
-    return PositionLoop(rate, gains, plant, servo_response(*gains, axis, rate, s) * plant)
+    return PositionLoop(
+        answer.steady_rate, gains, plant, servo_response(*gains, axis, answer.steady_rate, s) * plant
+    )
