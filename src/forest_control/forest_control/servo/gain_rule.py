@@ -37,6 +37,8 @@ from forest_description.types import Complexes, Floats, Vec3
 from forest_msgs_py.types import PERIOD
 
 HIGHEST_GAIN = (4.0, 5.0, 5.0)  # [1/s] of K_p: the noise of a slow swing, unfiltered, crosses its overlap
+# Where load feedback damps: head, pump and compensator swing, too, which the model leaves out; chosen.
+HIGHEST_WITH_FEEDBACK = (1.25, 2.0, 2.0)  # [1/s]
 STEP = 0.25  # [1/s] in which K_p is looked for, and the least: a twentieth of the highest
 AMPLIFICATION = 1.8  # [1] greatest |1/(1 + L)|: at least 7 dB and 32 degrees, under the usual 2
 INTEGRAL_SHARE = (0.08, 0.25, 0.25)  # [1] K_i over K_p^2: at a quarter slow poles meet; the swing lags more
@@ -142,8 +144,8 @@ def _feedback(machine: Machine, axis: int, damping: float) -> float:
         for q in _poses(machine)
         for rate in (speed / _radius(machine, q, axis) for speed in TIP_SPEEDS)
     ]
-    borne = STEP
-    while borne + STEP <= HIGHEST_GAIN[axis]:
+    borne, damped = STEP, axis_drivers(machine)[axis].load_feedback > 0.0
+    while borne + STEP <= (HIGHEST_WITH_FEEDBACK if damped else HIGHEST_GAIN)[axis]:
         tried = borne + STEP
         for rate, plant in motions:
             loop = servo_response(tried, integral(tried, axis), damping, axis, rate, s) * plant

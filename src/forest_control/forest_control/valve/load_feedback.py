@@ -1,6 +1,6 @@
 """Dynamic load feedback: a valve that heeds no load gives way to one that rocks.
 
-A mass hangs on an actuator's oil as on a spring. The edges of a plain valve let more oil pass under less load,
+A mass hangs on an actuator's oil as on a spring. A plain valve lets more oil pass under less load,
 which damps it. A compensated valve keeps its flow, and damps nothing; a counterbalance valve at the other
 port may even drive the oscillation. The driver therefore takes c (F - F_s) off the actuator's speed.
 
@@ -21,8 +21,7 @@ from forest_description.derived.limits import joint_limits
 from forest_description.geometry.linkage import lever_arm
 from forest_description.machine import Machine
 
-import os
-DAMPING = float(os.environ.get("ZETA","0.15"))
+DAMPING = 0.15  # [1] zeta: from 0.2 on the spool's lag makes stiffer modes of the arm swing; chosen
 
 
 def load_feedback(machine: Machine, axis: int, stiffness: float) -> float:
@@ -46,7 +45,7 @@ def moved_mass(machine: Machine, axis: int) -> float:
 
 
 def _inertia(body: PlanarBody, x: float, angle: float) -> float:
-    """Return the inertia of a body about a joint from which its own is x [m] away, turned by an angle [rad]."""
+    """Return the inertia of a body about a joint that is x [m] before its own, turned by [rad]."""
     c, s = math.cos(angle), math.sin(angle)
     along, across = x + c * body.x - s * body.y, s * body.x + c * body.y
     return body.zz + body.mass * (along**2 + across**2)

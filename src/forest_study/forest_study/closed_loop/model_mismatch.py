@@ -6,7 +6,7 @@
 | gain | of every valve and direction: flow at a drop, times 1 -+ gain, evenly | 0.4 |
 | head_mass | times 1/head_mass .. head_mass, its logarithm evenly | 2 |
 | spool | bandwidth of all spools, likewise; one that follows at once stays | 1.5 |
-| stiffness | of each axis' hoses (of geometric ones, of the wall), and of all oil: times 1 -+ stiffness, evenly | 0 |
+| stiffness | of each axis' hoses (geometric ones: their walls), and of all oil: times 1 -+ it, evenly | 0 |
 | tilt | of the platform, +-tilt, evenly | 0 deg |
 | head | mass of the head with its load, 0 .. head, evenly; not under what hangs there | as in the file |
 | dead_time, hysteresis | of all valves, 0 .. so much, evenly; 0: none | as in the file |
