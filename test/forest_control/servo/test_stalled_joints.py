@@ -2,7 +2,6 @@
 
 import math
 
-import numpy as np
 import pytest
 
 from forest_control.servo.coordinated_servo import REST, all_stalled
@@ -69,16 +68,6 @@ def test_a_joint_has_gone_from_half_its_rate_on_and_stands_below_two_fifths(side
     assert not is_slow(side * 0.0051)
     assert is_ahead(a, side * 0.0021)
     assert not is_ahead(a, side * 0.0019)
-
-
-def test_noise_of_a_standing_joint_does_not_feign_that_it_has_gone():
-    """Its rates beside a reference that has just begun are greater than half of it, now and then."""
-    angles = np.random.default_rng(3).normal(0.0, math.radians(0.01), 2000)
-    motion = RESTED
-    for k, v in enumerate(np.diff(angles) / DT):
-        motion = updated_motion(motion, min(0.05, 0.05 * k * DT), v, DT)
-        assert motion.side == 0.0
-    assert after(0.1, 0.05, 0.04, motion).side == 1.0
 
 
 def test_a_reference_that_rests_forgets_that_its_joint_has_gone():

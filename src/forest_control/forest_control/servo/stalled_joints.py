@@ -19,8 +19,7 @@ from typing import NamedTuple
 from forest_control.servo.schemes import ERROR_LAG
 from forest_description.types import Vec3
 
-MOVES = 0.5  # [1] of a, from which a joint goes
-GONE = 2e-3  # [rad] on its way, from which it has gone: more than a sensor's noise feigns
+MOVES = 0.5  # [1] of a, from which a joint has gone
 STALLED = 0.4  # [1] of a, within which it stands; at a half a weak valve's joint would, too
 SLOW = 5e-3  # [rad/s] of a joint that need not be asked: 30 mm/s of the tip at 6 m
 NEAR = 2e-3  # [rad] that a reference is ahead: no more than 0.01 rad/s of the servo's
@@ -31,16 +30,14 @@ class JointMotion(NamedTuple):
 
     rate: float = 0.0  # v, low-passed [rad/s]
     side: float = 0.0  # 1, -1: it has gone that way since it rested or turned round; 0: it has not
-    way: float = 0.0  # that it has gone along a [rad]
 
 
 def updated_motion(before: JointMotion, a: float, v: float, dt: float) -> JointMotion:
     """Return how a joint goes after dt [s] at a reference rate a and a measured rate v [rad/s]."""
     rate = before.rate + (1.0 - math.exp(-dt / ERROR_LAG)) * (v - before.rate)
-    way = (before.way if before.way * a > 0.0 else 0.0) + dt * v
-    if way * a > GONE * abs(a) and rate * a > MOVES * a * a:
-        return JointMotion(rate, math.copysign(1.0, a), way)
-    return JointMotion(rate, before.side if before.side * a > 0.0 else 0.0, way)
+    if rate * a > MOVES * a * a:
+        return JointMotion(rate, math.copysign(1.0, a))
+    return JointMotion(rate, before.side if before.side * a > 0.0 else 0.0)
 
 
 def is_stalled(motion: JointMotion, a: float) -> bool:
