@@ -10,9 +10,10 @@ from forest_sim.hydraulics.tank_line import (
     TankState,
     line_flow,
     pressure_after,
-    pressure_at_midpoint,
+    pressure_at_stage,
     return_line,
 )
+from forest_sim.solver.integrator import GAMMA, WEIGHTS
 
 LINE = return_line(TANK_LINE)
 
@@ -22,8 +23,11 @@ def steady(flow):
 
 
 def after(pressure, flow, step):
-    midpoint = pressure_at_midpoint(TankState(pressure, pressure), flow, 0.0, step, LINE)
-    return pressure_after(TankState(pressure, midpoint), flow, step, LINE).pressure
+    state = TankState(pressure, pressure)
+    for weight in WEIGHTS:
+        seen = pressure_at_stage(state, flow, 0.0, GAMMA * step, LINE)
+        state = pressure_after(state._replace(seen=seen), flow, weight * step, LINE)
+    return state.pressure
 
 
 @pytest.mark.parametrize("flow", [1e-4, 1e-3, 4e-3])
@@ -35,10 +39,10 @@ def test_it_settles_where_it_passes_what_comes(flow):
     assert line_flow(pressure, LINE) == pytest.approx(flow, rel=1e-9)
 
 
-def test_a_long_step_sees_the_steady_pressure_and_open_port_valves_do_not_change_it():
-    assert pressure_at_midpoint(DRAINED, 2e-3, 0.0, 1e6, LINE) == pytest.approx(steady(2e-3), rel=1e-6)
+def test_a_long_stage_sees_the_steady_pressure_and_open_port_valves_do_not_change_it():
+    assert pressure_at_stage(DRAINED, 2e-3, 0.0, 1e6, LINE) == pytest.approx(steady(2e-3), rel=1e-6)
     settled = TankState(steady(2e-3), steady(2e-3))
-    assert pressure_at_midpoint(settled, 2e-3, 1e-7, 1e-3, LINE) == pytest.approx(steady(2e-3), rel=1e-12)
+    assert pressure_at_stage(settled, 2e-3, 1e-7, 1e-3, LINE) == pytest.approx(steady(2e-3), rel=1e-12)
 
 
 def test_it_holds_its_preload_and_is_never_drawn_empty():
@@ -49,7 +53,7 @@ def test_it_holds_its_preload_and_is_never_drawn_empty():
 
 
 def test_what_comes_and_does_not_go_on_stays_in_it():
-    """C dP_t is what the valves return over the step less what the line passes at its pressure midpoint."""
+    """C dP_t is what the valves return less what the line passes at the pressure that they see."""
     state = TankState(2.5e5, 2.6e5)
     stored = LINE.capacitance * (pressure_after(state, 3e-3, 1e-3, LINE).pressure - 2.5e5)
     assert stored == pytest.approx(1e-3 * (3e-3 - (0.6e5 / 4.5e10) ** 0.5), rel=1e-12)
@@ -64,7 +68,7 @@ def test_what_port_valves_take_too_much_is_owed_and_made_good():
     assert back.pressure == pytest.approx(1e4, rel=1e-9)
     assert back.owed == 0.0
     assert pressure_after(TankState(1e4, 0.0), -1e-3, 1e-3, LINE) == TankState(0.0, 0.0)
-    assert pressure_at_midpoint(taken, 0.0, 0.0, 1e-3, LINE) == 0.0
+    assert pressure_at_stage(taken, 0.0, 0.0, 1e-3, LINE) == 0.0
 
 
 def test_its_rise_is_that_of_an_independent_integration_with_second_order():

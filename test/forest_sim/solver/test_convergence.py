@@ -12,9 +12,14 @@ from forest_sim.equations.plant_parameters import plant_parameters
 from forest_sim.midpoint.load_sensing import open_halves, open_share
 from forest_sim.solver.equilibrium import equilibrium
 
-MACHINES = ("c180_thesis", "c180_hoses", "c180", "forwarder", "loader")
 FINE, LIMIT = 6.25e-5, 5e-5  # s, rad
-FORWARDER = 7e-5  # [rad] port valves that open within a step make the tank line jump; seals stick and slip
+LIMITS = {
+    "c180_thesis": LIMIT,
+    "c180_hoses": LIMIT,
+    "c180": 1e-5,  # [rad] a tank line seen in a step's middle, not at a stage's end, made it 1.5e-5
+    "forwarder": 7e-5,  # [rad] the light root of its stick sticks and slips on its seals
+    "loader": LIMIT,
+}
 HELD = 0.02  # [s] of each voltage
 
 
@@ -45,11 +50,11 @@ def error(machine, profile, step, truth):
     return np.max(np.abs(angles(machine, profile, step) - truth))
 
 
-@pytest.mark.parametrize("name", MACHINES)
-def test_at_1_ms_the_levers_error_is_under_5e_5_rad_or_7e_5_of_forwarder(name):
+@pytest.mark.parametrize(("name", "limit"), LIMITS.items())
+def test_at_1_ms_the_levers_error_is_under_5e_5_rad_or_7e_5_of_forwarder(name, limit):
     machine = load_machine(name)
     truth = angles(machine, levers, FINE)
-    assert error(machine, levers, 1e-3, truth) < (FORWARDER if name == "forwarder" else LIMIT)
+    assert error(machine, levers, 1e-3, truth) < limit
 
 
 @pytest.mark.parametrize("name", ["c180_hoses", "c180", "loader"])

@@ -11,6 +11,7 @@ limit of one valve, holds one joint while others go: that one may need a wider v
 
 Not kept: the reference of joints that have not gone since they rested. Their overlap may be wider than
 believed, and only a servo whose error grows brings them over it; `safety.overloaded_joint` ends that.
+One that has hopped, as its spool swung over the edge, has not gone.
 """
 
 import math
@@ -19,30 +20,28 @@ from typing import NamedTuple
 from forest_control.servo.schemes import ERROR_LAG
 from forest_description.types import Vec3
 
-MOVES = 0.5  # [1] of a, from which a joint has gone
 STALLED = 0.4  # [1] of a, within which it stands; at a half a weak valve's joint would, too
 SLOW = 5e-3  # [rad/s] of a joint that need not be asked: 30 mm/s of the tip at 6 m
-NEAR = 2e-3  # [rad] that a reference is ahead: no more than 0.01 rad/s of the servo's
+NEAR = 2e-3  # [rad] that a reference is ahead, and a joint has gone: no more than 0.01 rad/s of the servo's
 
 
 class JointMotion(NamedTuple):
     """How one joint goes."""
 
     rate: float = 0.0  # v, low-passed [rad/s]
-    side: float = 0.0  # 1, -1: it has gone that way since it rested or turned round; 0: it has not
+    gone: float = 0.0  # its way since its reference rested or turned round, along that; 0: against [rad]
 
 
 def updated_motion(before: JointMotion, a: float, v: float, dt: float) -> JointMotion:
     """Return how a joint goes after dt [s] at a reference rate a and a measured rate v [rad/s]."""
     rate = before.rate + (1.0 - math.exp(-dt / ERROR_LAG)) * (v - before.rate)
-    if rate * a > MOVES * a * a:
-        return JointMotion(rate, math.copysign(1.0, a))
-    return JointMotion(rate, before.side if before.side * a > 0.0 else 0.0)
+    gone = (before.gone if before.gone * a > 0.0 else 0.0) + rate * dt
+    return JointMotion(rate, gone if gone * a > 0.0 else 0.0)
 
 
 def is_stalled(motion: JointMotion, a: float) -> bool:
     """Tell whether a joint has gone at its reference rate a [rad/s], and stands now."""
-    return motion.side * a > 0.0 and abs(motion.rate) < STALLED * abs(a)
+    return motion.gone * a > NEAR * abs(a) and abs(motion.rate) < STALLED * abs(a)
 
 
 def is_slow(a: float) -> bool:

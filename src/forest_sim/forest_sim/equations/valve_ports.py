@@ -1,8 +1,8 @@
 """What a spool's four edges connect an axis' hoses to. Thesis eq. 3.1, 3.2, fig. 2.5.
 
 A positive spool position connects port 1 to the supply and port 2 to the tank (Appendix B's only
-case); a negative one the reverse. Spools, poppets, compensators and the tank line are no states:
-`midpoint` knows them half a step from the states, and the ports tell how they stand.
+case); a negative one the reverse. Spools, poppets, compensators and the tank line are no states of
+a stage: `midpoint` knows them beforehand, and the ports tell how they stand.
 """
 
 import math
@@ -61,6 +61,16 @@ def ports_at(
         valve_ports(spools[2].position, p.valves[2].law, vapour, tank),
     )
     return _with_lifts(ports, lifts, p) if has_poppets(p) else ports
+
+
+def with_tank(ports: tuple[Ports, Ports, Ports], tank: float) -> tuple[Ports, Ports, Ports]:
+    """Return ports with another P_t in the tank line [Pa]."""
+    one, two, three = ports
+    return _with_tank(one, tank), _with_tank(two, tank), _with_tank(three, tank)
+
+
+def _with_tank(ports: Ports, tank: float) -> Ports:
+    return ports._replace(port_1=ports.port_1._replace(tank=tank), port_2=ports.port_2._replace(tank=tank))
 
 
 def _with_lifts(

@@ -33,7 +33,7 @@ class TankState(NamedTuple):
     """The tank line between two steps."""
 
     pressure: float  # P_t [Pa]
-    seen: float  # P_t in the middle of the step before, with which its flows were found [Pa]
+    seen: float  # P_t at the end of the last stage, with which its flows were found [Pa]
     owed: float = 0.0  # what more than it held has been taken, as a pressure [Pa], 0 or less
 
 
@@ -51,21 +51,19 @@ def line_flow(pressure: float, line: ReturnLine) -> float:
     return math.sqrt((pressure - line.preload) / line.resistance) if pressure > line.preload else 0.0
 
 
-def pressure_at_midpoint(
-    before: TankState, flow: float, yielding: float, step: float, line: ReturnLine
-) -> float:
-    """Return P_t [Pa] in the middle of a step, implicitly: C (P_t - before) = step/2 (Q - q(P_t)).
+def pressure_at_stage(base: TankState, flow: float, yielding: float, h: float, line: ReturnLine) -> float:
+    """Return P_t [Pa] at a stage's end, implicitly: C (P_t - base) = h (Q - q(P_t)).
 
     Args:
-        before: the line at its beginning.
+        base: the stage's known part of the line.
         flow: Q if P_t stayed so [m^3/s].
         yielding: -dQ/dP_t [m^3/(s Pa)], of port valves that are open.
-        step: [s].
+        h: the stage's implicit step [s].
         line: the line.
     """
-    stiffness = 2.0 * line.capacitance / step
+    stiffness = line.capacitance / h
     admittance = stiffness + yielding
-    shut = before.pressure + (flow + stiffness * before.owed) / admittance
+    shut = base.pressure + (flow + stiffness * base.owed) / admittance
     if shut <= line.preload:
         return max(0.0, shut)
     beyond = admittance * (shut - line.preload)
@@ -74,19 +72,17 @@ def pressure_at_midpoint(
 
 
 def pressure_after(state: TankState, returned: float, step: float, line: ReturnLine) -> TankState:
-    """Return the tank line after a step; where there is none, as it was.
+    """Return the tank line after a stage's share of a step.
 
     Port valves may take more than was foreseen and the line had. It is owed: a suction check that gave
     it would make oil, and the line would jump from step to step. An open one gives what is missing.
 
     Args:
-        state: P_t at its beginning, and in its middle.
-        returned: mean of what the valves return over it [m^3/s].
-        step: [s].
+        state: P_t before it, and at the stage's end.
+        returned: what the valves return at the stage's end [m^3/s].
+        step: that share [s].
         line: the line.
     """
-    if line.capacitance == 0.0:
-        return state
     passed = line_flow(state.seen, line)
     after = state.pressure + state.owed + step / line.capacitance * (returned - passed)
     owed = min(0.0, after) if state.seen > 0.0 else 0.0

@@ -1,7 +1,7 @@
 """What a step knows of its middle, from the states at its beginning: it is no state of the stages.
 
-Flow forces come first, since they push the spools over the step. Poppets, compensators and the tank
-line follow, which see where the spools end.
+Flow forces come first, since they push the spools over the step. Poppets and compensators follow,
+which see where the spools end. The tank line follows the stages (`tank_step`).
 """
 
 from typing import NamedTuple
@@ -16,7 +16,6 @@ from forest_sim.hydraulics.tank_line import DRAINED, TankState
 from forest_sim.midpoint.compensator_step import openings_after
 from forest_sim.midpoint.holding_step import lifts_after
 from forest_sim.midpoint.pushed_spools import feels_jets, pushed
-from forest_sim.midpoint.tank_step import tank_at_midpoint
 
 
 class MidpointState(NamedTuple):
@@ -59,6 +58,4 @@ def midpoint_after(
         lifts = lifts_after(plant, lifts, spools, tank.seen, h, p)
     if is_compensated(p):
         lifts = openings_after(plant, lifts, spools, end, h, p)
-    if p.tank_line.capacitance > 0.0:
-        tank = tank_at_midpoint(plant, spools, lifts, tank, h, p)
     return MidpointState(lifts, midpoint.jets, tank)

@@ -17,7 +17,7 @@ from forest_sim.equations.elastic_links import Roots, RootState
 from forest_sim.equations.multibody import HeadState
 from forest_sim.equations.plant import AxisState, PlantState
 from forest_sim.equations.plant_parameters import PlantParameters, SpoolValve
-from forest_sim.equations.valve_ports import Ports, has_poppets, ports_at
+from forest_sim.equations.valve_ports import Ports, has_poppets, ports_at, with_tank
 from forest_sim.hydraulics.command_history import NO_COMMANDS, Acting, CommandHistory, after_dead_time
 from forest_sim.hydraulics.flow_force import NO_JETS, AllJets
 from forest_sim.hydraulics.hydraulic_line import PortGuard
@@ -25,11 +25,11 @@ from forest_sim.hydraulics.load_holding import AllLifts, lifts_along
 from forest_sim.hydraulics.pump_drive import PumpState
 from forest_sim.hydraulics.spool_dynamics import Spool, Spools, spool_after
 from forest_sim.hydraulics.supply import SupplyState
-from forest_sim.hydraulics.tank_line import pressure_after
+from forest_sim.hydraulics.tank_line import TankState, pressure_after
 from forest_sim.mechanics.manipulator import Pair
 from forest_sim.midpoint.load_sensing import sensed_over
 from forest_sim.midpoint.midpoint_state import NO_MIDPOINT, MidpointState, midpoint_after, with_jets
-from forest_sim.midpoint.tank_step import returned_flow
+from forest_sim.midpoint.tank_step import returned, tank_at_stage
 from forest_sim.solver.conserved_oil import settled, with_contents
 from forest_sim.stage.implicit_stage import solve_stage
 
@@ -85,40 +85,67 @@ def step_by_stages(simulation: Simulation, voltages: Vec3, h: float, p: PlantPar
     end = spools_after(simulation.spools, acting, h, p, midpoint.jets)
     midpoint = midpoint_after(midpoint, plant, simulation.spools, end, h, p)
     early, late = _lifts_by_stage(simulation.midpoint.lifts, midpoint.lifts, p)
-    tank = midpoint.tank
-    returned = 0.0
-    rates, ports = _rates_after(plant, simulation.accelerations, c), ports_at(middle, p, early, tank.seen)
-    if p.supply.rate > 0.0:
-        ports = sensed_over(ports, simulation.spools, end, p)
+    way, rates = (simulation.spools, end), _rates_after(plant, simulation.accelerations, c)
+    tank, ports = _stage_ports(plant, middle, early, midpoint.tank, way, c, p)
     base = start = contents = with_contents(plant, early, p)
     ahead = after = _with_head_ahead(plant, simulation.head_accelerations, c)
-    first, failures = plant, 0
+    first, first_tank, failures = plant, tank, 0
     for stage in range(2):  # one body for both, so that the compiled plant holds it once
         after, contents, failed = solve_stage(base, ahead, rates, ports, c, p)
         failures += failed
         if p.tank_line.capacitance > 0.0:
-            returned += (GAMMA if stage else 1.0 - GAMMA) * returned_flow(after, ports, p)
+            share = (GAMMA if stage else 1.0 - GAMMA) * h
+            tank = pressure_after(tank, returned(after, ports, p).flow, share, p.tank_line)
         if stage == 0:
-            first = after
+            first, first_tank = after, tank
             # y + (1 - gamma) h k_1, with k_1 = (Y_1 - y) / (gamma h)
             base = _blend(start, contents, (1.0 - GAMMA) / GAMMA, p)
             ahead = _blend(plant, after, 1.0 / GAMMA, p)
             rates = ahead.swing.rate, ahead.boom.rate, ahead.stick.rate
-            if end != middle or has_poppets(p):
-                ports = ports_at(end, p, late, tank.seen)
-                if p.supply.rate > 0.0:
-                    ports = sensed_over(ports, simulation.spools, end, p)
-    tank = pressure_after(tank, returned, h, p.tank_line)
+            if end != middle or has_poppets(p) or p.tank_line.capacitance > 0.0:
+                known = _blend(plant, after, (1.0 - GAMMA) / GAMMA, p)
+                tank, ports = _stage_ports(known, end, late, tank, way, c, p)
     after = settled(after, contents, p)
     events = _count(simulation.events, plant, after, failures, p.guard, tank.seen)
     rates_after, head_after = _mean_accelerations(base, after, c), _head_accelerations(base, after, c)
-    known = midpoint._replace(tank=tank)
-    stepped = Simulation(after, end, events, rates_after, head_after, history, known)
+    midpoint = midpoint._replace(tank=tank)
+    stepped = Simulation(after, end, events, rates_after, head_after, history, midpoint)
     return Step(
         after=stepped,
-        early=stepped._replace(plant=first, spools=middle, midpoint=known._replace(lifts=early)),
-        late=stepped._replace(midpoint=known._replace(lifts=late)),
+        early=stepped._replace(
+            plant=first, spools=middle, midpoint=midpoint._replace(lifts=early, tank=first_tank)
+        ),
+        late=stepped._replace(midpoint=midpoint._replace(lifts=late)),
     )
+
+
+def _stage_ports(
+    known: PlantState,
+    spools: Spools,
+    lifts: AllLifts,
+    tank: TankState,
+    way: tuple[Spools, Spools],
+    c: float,
+    p: PlantParameters,
+) -> tuple[TankState, tuple[Ports, Ports, Ports]]:
+    """Return the tank line at a stage's end, and what the valves connect there.
+
+    Args:
+        known: the stage's known part of the plant.
+        spools: at its end.
+        lifts: at its end.
+        tank: the stage's known part of the line.
+        way: the spools at the step's beginning and end.
+        c: the stage's implicit step [s].
+        p: the machine.
+    """
+    ports = ports_at(spools, p, lifts, tank.pressure)
+    if p.tank_line.capacitance > 0.0:
+        tank = tank_at_stage(known, ports, tank, c, p)
+        ports = with_tank(ports, tank.seen)
+    if p.supply.rate > 0.0:
+        ports = sensed_over(ports, way[0], way[1], p)
+    return tank, ports
 
 
 def _lifts_by_stage(before: AllLifts, midpoint: AllLifts, p: PlantParameters) -> tuple[AllLifts, AllLifts]:
