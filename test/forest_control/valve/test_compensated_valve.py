@@ -7,12 +7,14 @@ import pytest
 
 from forest_control.limits.actuator_speed_limits import joint_rate_limits, speed_limit_parameters
 from forest_control.valve.tracking_limit import OpeningRatio
+from forest_control.valve.valve_adaptation import DirectionEstimate, gain
 from forest_control.valve.valve_driver import REST, Motion, Pressures, step
 from forest_control.valve.valve_driver_parameters import Settings, parameters
 from forest_control.valve.valve_inverse import required_opening
 from forest_description.derived.actuator_kinematics import displacements, metering_drop, rated_speeds
 from forest_description.geometry.linkage import lever_arm
 from forest_description.hydraulics.compensator_parameters import CompensatorBeforeSpool
+from forest_description.hydraulics.valve_characteristic import opening_at, stroke
 from forest_description.machine import load_machine
 
 FORWARDER = load_machine("forwarder")
@@ -69,19 +71,47 @@ def test_no_axis_is_told_to_go_faster_than_its_compensator_lets_it():
             assert limits[axis] * abs(arm) < most
 
 
-def test_nothing_is_learnt_behind_a_compensator_and_elsewhere_it_is():
-    """A spool that stands open, an actuator that goes half as fast as by the file."""
-    for name in ("forwarder", "c180_hoses"):
-        machine = load_machine(name)
-        p, state = parameters(machine, Settings()), REST
-        supply = p.idle_pressure
-        for k in range(200):
-            at = tuple(axis.middle + 0.1 * axis.rated_speed * 0.005 * k for axis in p.axes)
-            pressures = Pressures((0.5 * supply,) * 3, (0.5 * supply,) * 3, supply)
-            motion = Motion(at, pressures.port_1, pressures.port_2)
-            state, _ = step(state, (5.0, 5.0, 5.0), pressures, motion, p, 0.005)
-        learnt = [one.forward.deadband != 0.0 or one.forward.stretch != 0.0 for one in state.estimates]
-        assert learnt == [name == "c180_hoses"] * 3
+@pytest.mark.parametrize("direction", [1.0, -1.0])
+@pytest.mark.parametrize("load", [0.2, 0.6])
+def test_a_gain_is_learnt_from_the_inlets_flow_whatever_the_load(direction, load):
+    """A spool that stands open, an actuator at seven tenths of the speed by the file."""
+    state = REST
+    supply = P.idle_pressure + load * P.supply_pressure
+    inlet = [0.0, 0.0, 0.0]
+    for k in range(800):
+        volts = direction * (4.0 + math.sin(0.02 * k))
+        for i, axis in enumerate(P.axes):
+            law, area = axis.valve, displacements(FORWARDER, i)[0 if direction > 0.0 else 1]
+            way = law.forward if direction > 0.0 else law.backward
+            edge = way.resistance_1 if direction > 0.0 else way.resistance_2
+            opening = opening_at(stroke(abs(state.strokes[i]), way), law.curve)
+            inlet[i] += 0.7 * 0.005 * direction * opening * math.sqrt(axis.metering_drop / edge) / area
+        at = tuple(axis.middle + gone for axis, gone in zip(P.axes, inlet, strict=True))
+        one, two = (load, 0.01) if direction > 0.0 else (0.01, load)
+        pressures = Pressures((one * P.supply_pressure,) * 3, (two * P.supply_pressure,) * 3, supply)
+        motion = Motion(at, pressures.port_1, pressures.port_2)
+        commands = tuple(_command(volts, axis) for axis in P.axes)
+        state, _ = step(state, commands, pressures, motion, P, 0.005)
+    for one in state.estimates:
+        way = one.forward if direction > 0.0 else one.backward
+        assert gain(way) == pytest.approx(0.7, abs=0.07)
+        other = one.backward if direction > 0.0 else one.forward
+        assert other == DirectionEstimate()
+
+
+def _command(volts, axis):
+    """Return a command that brings a spool to about so many volts [V]."""
+    return math.copysign(max(0.1, abs(volts) - 2.0), volts)
+
+
+def test_nothing_is_learnt_where_the_pump_leaves_less_than_the_kept_drop():
+    state = REST
+    supply = P.idle_pressure
+    for k in range(200):
+        at = tuple(axis.middle + 0.1 * axis.rated_speed * 0.005 * k for axis in P.axes)
+        pressures = Pressures((0.5 * supply,) * 3, (0.5 * supply,) * 3, supply)
+        state, _ = step(state, (5.0, 5.0, 5.0), pressures, Motion(at, *pressures[:2]), P, 0.005)
+    assert all(one.forward == DirectionEstimate() for one in state.estimates)
 
 
 def test_a_machine_without_compensators_has_the_bits_it_had():

@@ -2,15 +2,11 @@
 
 | reason | what is missing |
 |---|---|
-| behind a pressure compensator | the drop over the spool: the compensator takes an unknown part of it |
 | open at the centre | an overlap |
 | no sensor of its actuator's position, no pressure sensors | the flow, its drop |
 """
 
-import math
-
 from forest_control.valve.valve_adaptation import underlapped
-from forest_description.derived.actuator_kinematics import metering_drop
 from forest_description.machine import Machine
 from forest_description.types import AXES
 
@@ -31,8 +27,6 @@ def told(machine: Machine) -> str:
 
 
 def _reason(machine: Machine, axis: int) -> str:
-    if metering_drop(machine, axis) < math.inf:
-        return "behind a pressure compensator"
     if underlapped(machine.valve_of(axis).law):
         return "open at the centre, it has no overlap"
     if machine.sensors.pressure is None:

@@ -367,8 +367,6 @@ def _learn_axis(
         supply=pressures.supply,
         spool=state.strokes[i],
     )
-    if p.axes[i].metering_drop < math.inf:  # a compensator takes an unknown part of the drop
-        return unmeasured(state.estimates[i])
     if not math.isfinite(sample.position + sample.valve_1 + sample.valve_2):
         return unmeasured(state.estimates[i])
     return updated_estimate(state.estimates[i], sample, p.axes[i].valve, p.flows[i], p.adaptation, dt)

@@ -64,7 +64,7 @@ class Settings(NamedTuple):
         float, tunable("amplitude of the dither; negative: half the file's hysteresis", "V", -1.0, 2.0)
     ] = -1.0
     dither_frequency: Annotated[float, tunable("frequency of the dither", "Hz", 1.0, 100.0)] = 50.0
-    adapt: Annotated[bool, tunable("learn deadband and gain of every valve that has no compensator")] = True
+    adapt: Annotated[bool, tunable("learn deadband and gain of every valve")] = True
     forgetting_time: Annotated[
         float, tunable("age at which a sample of the adaptation counts 1/e", "s", 1.0, 3600.0)
     ] = 20.0
@@ -300,4 +300,5 @@ def _flow(machine: Machine, axis: int) -> FlowParameters:
         supply_pressure=machine.pump.supply_pressure,
         dead_time=machine.valve_of(axis).dead_time or 0.0,
         play=swing.backlash.free_way if axis == 0 and swing.backlash is not None else 0.0,
+        metering_drop=metering_drop(machine, axis),
     )

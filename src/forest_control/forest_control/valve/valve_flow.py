@@ -8,7 +8,8 @@
 | S, N | `valve_driver`'s, of the orifices whose flow is known, with the drops measured at the valve | |
 | y | actuator speed, mean of Q_1/A_1 and Q_2/A_2 weighted by the orifices' shares of S | m/s; rad/s |
 
-The opening is y sqrt(S / N). Flows, openings and V count along the positive direction here.
+The opening is y sqrt(S / N). Behind a compensator the inlet's flow counts alone, at the drop that is kept
+over its edge as long as the pump leaves more. Flows, openings and V count along the positive direction here.
 """
 
 import math
@@ -45,6 +46,7 @@ class FlowParameters(NamedTuple):
     supply_pressure: float  # [Pa]
     dead_time: float = 0.0  # of the valve [s]
     play: float = 0.0  # of the gear between motor and joint [rad]
+    metering_drop: float = math.inf  # that a compensator leaves to the edge to the pump [Pa]
 
 
 class AxisMeasurement(NamedTuple):
@@ -141,7 +143,11 @@ def opening_from_flow(
     drop_1 = sample.supply - sample.valve_1 if forward else sample.valve_1
     drop_2 = sample.valve_2 if forward else sample.supply - sample.valve_2
     known_1, known_2 = _is_known(sample.port_1, drop_1, a), _is_known(sample.port_2, drop_2, a)
-    if sample.port_1 <= EMPTY and sample.port_2 <= EMPTY:
+    if a.metering_drop < math.inf:
+        known_1 = known_1 and forward and drop_1 > a.metering_drop
+        known_2 = known_2 and not forward and drop_2 > a.metering_drop
+        drop_1 = drop_2 = a.metering_drop
+    elif sample.port_1 <= EMPTY and sample.port_2 <= EMPTY:
         # Both empty after a rest: nothing moves yet that a check valve might feed.
         known_1, known_2 = forward, not forward
     s_1 = way.resistance_1 * a.displacement_1**3 if known_1 else 0.0
