@@ -11,11 +11,11 @@ every stated motion. K_i goes with its square.
 | Z | torque of the oil per joint rate, the sum of A^2/(C s + G) | N m s/rad |
 | M, B | inertia, and viscous damping | kg m^2, N m s/rad |
 | H | joint rate over commanded rate, Z/(M s + B + Z); boom and stick as a pair, one valve shut | 1 |
-| S | spool over voltage, late by T: a period and a half, and the valve's dead time | 1 |
-| F | driver's `load_feedback` of the torque Z (1 - H), without what stays: c s/(s + w) | 1/(N m s) |
-| L | open loop, (K_p + K_i/s + D s) S H/(1 + F Z (1 - H) S)/s | 1 |
+| S, T | spool over voltage; lateness: a period and a half, and the valve's dead time | 1, s |
+| L | open loop, (K_p + K_i/s + D s) S H e^(-T s)/s | 1 |
 
-Left out: dry friction, which damps; bending; the sway of what hangs; load-holding valves; air in the oil.
+Left out: dry friction and load feedback, which damp; bending; the sway of what hangs; load-holding valves;
+air in the oil.
 """
 
 import math
@@ -27,7 +27,7 @@ import numpy as np
 from forest_control.servo.arm_feedforward import arm_inertia, arm_model
 from forest_control.servo.schemes import ERROR_LAG, FULL_RATE
 from forest_control.servo.swing_feedforward import inertia, swing_model
-from forest_control.valve.valve_driver_parameters import AxisDriver, Settings, axis_drivers
+from forest_control.valve.valve_driver_parameters import AxisDriver, axis_drivers
 from forest_description.derived.limits import joint_limits
 from forest_description.geometry.kinematics import tip_position
 from forest_description.geometry.linkage import cylinder_length, lever_arm
@@ -37,8 +37,6 @@ from forest_description.types import Complexes, Floats, Vec3
 from forest_msgs_py.types import PERIOD
 
 HIGHEST_GAIN = (4.0, 5.0, 5.0)  # [1/s] of K_p: the noise of a slow swing, unfiltered, crosses its overlap
-# Where load feedback damps: head, pump and compensator swing, too, which the model leaves out; chosen.
-HIGHEST_WITH_FEEDBACK = (1.25, 2.0, 2.0)  # [1/s]
 STEP = 0.25  # [1/s] in which K_p is looked for, and the least: a twentieth of the highest
 AMPLIFICATION = 1.8  # [1] greatest |1/(1 + L)|: at least 7 dB and 32 degrees, under the usual 2
 INTEGRAL_SHARE = (0.08, 0.25, 0.25)  # [1] K_i over K_p^2: at a quarter slow poles meet; the swing lags more
@@ -105,35 +103,13 @@ def joint_plant(machine: Machine, q: Vec3, axis: int, rate: float) -> Complexes:
         rate: at which it moves [rad/s].
     """
     s: Complexes = 2j * math.pi * FREQUENCY
-    (response, oil), spool = _rate_response(machine, q, axis, rate, s), _spool(machine, axis, s)
-    given_way = given_way_share(machine, q, axis, s) * oil * (1.0 - response)
-    plant: Complexes = response * spool / (1.0 + given_way * spool) / s
-    return plant
-
-
-def given_way_share(machine: Machine, q: Vec3, axis: int, s: Complexes) -> Complexes:
-    """Return F, by which the driver takes a torque that changes off a joint's rate [rad/s per N m].
-
-    Args:
-        machine: as the controller knows it.
-        q: pose [rad].
-        axis: whose.
-        s: [n] complex frequencies [1/s].
-    """
-    arm = 1.0 if axis == 0 else lever_arm(q[axis], machine.linkages[axis - 1])
-    stays = 2.0 * math.pi * Settings().load_bandwidth
-    share: Complexes = axis_drivers(machine)[axis].load_feedback / arm**2 * s / (s + stays)
-    return share
-
-
-def _spool(machine: Machine, axis: int, s: Complexes) -> Complexes:
-    """Return S."""
     valve = machine.valve_of(axis)
-    late: Complexes = np.exp(-(1.5 * PERIOD + (valve.dead_time or 0.0)) * s)
+    late = np.exp(-(1.5 * PERIOD + (valve.dead_time or 0.0)) * s)
+    response: Complexes = _rate_response(machine, q, axis, rate, s) * late / s
     if valve.spool_bandwidth is None:
-        return late
+        return response
     x = s / (2.0 * math.pi * valve.spool_bandwidth)
-    return late / (1.0 + x if not valve.spool_damping else 1.0 + 2.0 * valve.spool_damping * x + x * x)
+    return response / (1.0 + x if not valve.spool_damping else 1.0 + 2.0 * valve.spool_damping * x + x * x)
 
 
 def _feedback(machine: Machine, axis: int, damping: float) -> float:
@@ -144,8 +120,8 @@ def _feedback(machine: Machine, axis: int, damping: float) -> float:
         for q in _poses(machine)
         for rate in (speed / _radius(machine, q, axis) for speed in TIP_SPEEDS)
     ]
-    borne, damped = STEP, axis_drivers(machine)[axis].load_feedback > 0.0
-    while borne + STEP <= (HIGHEST_WITH_FEEDBACK if damped else HIGHEST_GAIN)[axis]:
+    borne = STEP
+    while borne + STEP <= HIGHEST_GAIN[axis]:
         tried = borne + STEP
         for rate, plant in motions:
             loop = servo_response(tried, integral(tried, axis), damping, axis, rate, s) * plant
@@ -172,15 +148,13 @@ def _radius(machine: Machine, q: Vec3, axis: int) -> float:
     return max(1.0, reach)
 
 
-def _rate_response(
-    machine: Machine, q: Vec3, axis: int, rate: float, s: Complexes
-) -> tuple[Complexes, Complexes]:
-    """Return H and Z."""
+def _rate_response(machine: Machine, q: Vec3, axis: int, rate: float, s: Complexes) -> Complexes:
+    """Return H."""
     axes = axis_drivers(machine)
     if axis == 0:
         swing, spring = swing_model(machine), _oil(machine, axes[0], 0, q, rate, s)
         alone: Complexes = spring / (inertia(q, swing) * s + swing.damping + spring)
-        return alone, spring
+        return alone
     m_22, m_23, m_33 = arm_inertia(q, arm_model(machine))
     boom = _oil(machine, axes[1], 1, q, rate if axis == 1 else 0.0, s)
     stick = _oil(machine, axes[2], 2, q, rate if axis == 2 else 0.0, s)
@@ -188,7 +162,7 @@ def _rate_response(
     on_stick = m_33 * s + stick + machine.stick.damping * lever_arm(q[2], machine.linkages[1]) ** 2
     moved, other = (boom, on_stick) if axis == 1 else (stick, on_boom)
     pair: Complexes = other * moved / (on_boom * on_stick - (m_23 * s) ** 2)
-    return pair, moved
+    return pair
 
 
 def _oil(machine: Machine, driver: AxisDriver, axis: int, q: Vec3, rate: float, s: Complexes) -> Complexes:

@@ -18,13 +18,14 @@ from typing import NamedTuple
 import numpy as np
 
 from forest_control.config.controller_settings import Settings, with_gains
-from forest_control.servo.gain_rule import given_way_share, servo_response
-from forest_description.derived.actuator_kinematics import displacements
+from forest_control.servo.gain_rule import servo_response
+from forest_control.valve.valve_driver_parameters import Settings as DriverSettings
+from forest_control.valve.valve_driver_parameters import axis_drivers
 from forest_description.geometry.linkage import lever_arm
 from forest_description.machine import Machine
 from forest_description.types import Complexes, Floats, Vec3
 from forest_msgs_py.types import PERIOD
-from forest_sim.analysis.frequency_response import response_of, spool_response
+from forest_sim.analysis.frequency_response import Response, response_of, spool_response
 from forest_sim.equations.plant_parameters import plant_parameters
 from forest_sim.hydraulics.spool_dynamics import spool_lag
 
@@ -61,13 +62,19 @@ def position_loop(
     s: Complexes = 2j * math.pi * FREQUENCY
     spool = spool_response(spool_lag(machine.valve_of(axis)), FREQUENCY)
     driven = spool / abs(answer.rate[0]) * np.exp(-LATE * s)
-    one, two = displacements(machine, axis)
-    arm = 1.0 if axis == 0 else lever_arm(angles[axis], machine.linkages[axis - 1])
-    torque = arm * (one * answer.pressure_1 - two * answer.pressure_2)
-    given_way = given_way_share(machine, angles, axis, s) * torque
+    given_way = _given_way(machine, angles, axis, answer, s)
     plant = answer.rate * driven / (1.0 + given_way * driven) / s
     told = with_gains(machine, settings)
     gains = told.feedback_gain[axis], told.integral_gain[axis], told.rate_gain[axis]
     return PositionLoop(
         answer.steady_rate, gains, plant, servo_response(*gains, axis, answer.steady_rate, s) * plant
     )
+
+
+def _given_way(machine: Machine, angles: Vec3, axis: int, answer: Response, s: Complexes) -> Complexes:
+    """Return F: what of the load stays, behind the driver's low-pass, takes nothing off."""
+    driver, stays = axis_drivers(machine)[axis], 2.0 * math.pi * DriverSettings().load_bandwidth
+    load = driver.displacement_1 * answer.pressure_1 - driver.displacement_2 * answer.pressure_2
+    arm = 1.0 if axis == 0 else lever_arm(angles[axis], machine.linkages[axis - 1])
+    rate: Complexes = driver.load_feedback / arm * load * s / (s + stays)
+    return rate
