@@ -58,6 +58,19 @@ def test_an_episode_is_truncated_after_its_time_and_never_terminates():
     assert ends == [(False, False)] * (STEPS - 1) + [(False, True)]
 
 
+@pytest.mark.parametrize("actions", driven_crane.NAMES)
+def test_without_an_episode_gymnasiums_error_asks_for_a_reset(actions):
+    env = env_of(actions=actions)
+    with pytest.raises(gymnasium.error.ResetNeeded):
+        env.step(np.zeros(3, np.float32))
+    env.reset(seed=0)
+    steps(env, (0.0, 0.0, 0.0), STEPS)
+    with pytest.raises(gymnasium.error.ResetNeeded):
+        env.step(np.zeros(3, np.float32))
+    env.reset(seed=1)
+    env.step(np.zeros(3, np.float32))
+
+
 def test_what_is_observed_has_its_place_and_unit():
     env = env_of("reach", "joint")
     env.reset(seed=2)
