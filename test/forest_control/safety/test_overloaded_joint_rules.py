@@ -109,8 +109,25 @@ def test_a_joint_owes_what_it_was_told_less_ten_times_what_it_goes():
     assert found.gone == pytest.approx(gone)
     owed = [before + (u - 10.0 * abs(v)) * PERIOD for before, u, v in zip(BEFORE.owed, U, gone, strict=True)]
     assert found.owed == pytest.approx(owed)
-    assert step(u=(-0.3, -0.4, -0.5), voltages=(-6.0, -5.0, -4.0)).owed == pytest.approx(owed)
-    assert found.since == pytest.approx([before + PERIOD for before in BEFORE.since])
+    since = [before + PERIOD for before in BEFORE.since]
+    other = BEFORE._replace(owed=tuple(-before for before in BEFORE.owed))
+    mirrored = step(other, u=(-0.3, -0.4, -0.5), voltages=(-6.0, -5.0, -4.0))
+    assert mirrored.owed == pytest.approx([-one for one in owed])
+    assert found.since == pytest.approx(since)
+    assert mirrored.since == pytest.approx(since)
+
+
+@every_joint
+def test_what_a_joint_owed_is_forgotten_where_its_command_turns_round(joint):
+    turned = {"u": at(joint, -0.2, 0.2), "voltages": at(joint, -5.0, 5.0)}
+    found = step(BEFORE._replace(gone=ZERO), rates=ZERO, **turned)
+    for i in range(3):
+        if i == joint:
+            assert found.owed[i] == pytest.approx(-0.2 * PERIOD)
+            assert found.since[i] == pytest.approx(PERIOD - LAGS[i])
+        else:
+            assert found.owed[i] == pytest.approx(BEFORE.owed[i] + 0.2 * PERIOD)
+            assert found.since[i] == pytest.approx(BEFORE.since[i] + PERIOD)
 
 
 @every_joint

@@ -13,6 +13,8 @@ valve throws the tip. So the valves are shut, and a person must want to move aga
 | owed | what it has not gone with it: integral of abs u - abs v / `ANSWERS`, of a low-passed v | rad |
 | since | how long it has owed something | s |
 
+What is owed is forgotten where u turns round: of levers that tremble a low-passed v shows little.
+
 Not seen: a joint that goes at a tenth of its rate.
 """
 
@@ -37,7 +39,7 @@ class Overload(NamedTuple):
 
     ways: Vec3 = ZERO  # [rad]
     times: Vec3 = ZERO  # [s] for which the valve has been as open as its voltage
-    owed: Vec3 = ZERO  # [rad]
+    owed: Vec3 = ZERO  # [rad], with the sign of the command
     since: Vec3 = ZERO  # [s]
     gone: Vec3 = ZERO  # v, low-passed [rad/s]
 
@@ -92,17 +94,18 @@ def watched(before: Overload, u: Vec3, rates: Vec3, voltages: Vec3, p: Parameter
 
 
 def _owed(before: Overload, u: Vec3, gone: Vec3, voltages: Vec3, i: int, p: Parameters, dt: float) -> float:
-    """Return what one joint has not gone with its open valve [rad], never less than zero."""
+    """Return what one joint has not gone with its open valve [rad], with the sign of its command."""
     if not opens(voltages[i], i, p) or voltages[i] * u[i] <= 0.0:
         return 0.0
-    return max(0.0, before.owed[i] + (abs(u[i]) - abs(gone[i]) / ANSWERS) * dt)
+    begun = abs(before.owed[i]) if before.owed[i] * u[i] > 0.0 else 0.0
+    return math.copysign(max(0.0, begun + (abs(u[i]) - abs(gone[i]) / ANSWERS) * dt), u[i])
 
 
 def _later(before: Overload, owed: Vec3, i: int, p: Parameters, dt: float) -> float:
     """Return how long one joint has owed something [s], from below zero for its spool's lag."""
-    if owed[i] <= 0.0:
+    if owed[i] == 0.0:
         return 0.0
-    begun = before.since[i] if before.owed[i] > 0.0 else -p.speed_limits.axes[i].spool.lag
+    begun = before.since[i] if before.owed[i] * owed[i] > 0.0 else -p.speed_limits.axes[i].spool.lag
     return begun + dt
 
 
@@ -127,7 +130,7 @@ def is_overloaded(overload: Overload) -> bool:
 
 
 def _refuses(overload: Overload, i: int) -> bool:
-    return goes_back(overload, i) or (overload.owed[i] > OWED and overload.since[i] > STARTS)
+    return goes_back(overload, i) or (abs(overload.owed[i]) > OWED and overload.since[i] > STARTS)
 
 
 def goes_back(overload: Overload, i: int) -> bool:
