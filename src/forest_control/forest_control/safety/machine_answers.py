@@ -22,13 +22,14 @@ from typing import NamedTuple
 
 from forest_control.config.controller_settings import Parameters
 from forest_control.limits.load_weighing import Pressures, own_weight
+from forest_control.safety.overloaded_joint import commanded_rates
 from forest_description.geometry.linkage import lever_arm
 from forest_description.types import ZERO, Vec3
 
 TOGETHER = 0.2  # [s] over the time in which a valve, and the oil behind it, answer
 SETTLES = 0.5  # [s] one way: a swing at full speed has sped up, and a joint that took a load has come to rest
 GROWS = 1.1  # [1] of its own low-pass, over which a rate still grows: at even acceleration for 2 s
-COMMANDED = 0.002  # [rad/s] of u, from which it counts: less may be leakage that is fed
+COMMANDED = 0.35  # [V] of an ideal valve for u, from which it counts: an overlap may be 0.15 V off the file's
 TOLD = 8e-3  # [rad^2/s] of integral u^2 that judges, 0.1 rad/s for 0.8 s; the forwarder's oil fills till then
 MOVED = 2e-3  # [rad^2/s] of integral v^2 that judges a joint that is too fast: a quarter of it
 ASKED = 5e-4  # [rad^2/s] of integral u^2 of such a joint: at twice the rate it has `MOVED`
@@ -80,10 +81,11 @@ def answered(
         _passed(before.measured[1], v[1], 0.0, dt),
         _passed(before.measured[2], v[2], 0.0, dt),
     )
+    least = commanded_rates(q, (COMMANDED, COMMANDED, COMMANDED), p)
     times = (
-        _commanded_for(before, commanded, 0, dt),
-        _commanded_for(before, commanded, 1, dt),
-        _commanded_for(before, commanded, 2, dt),
+        _commanded_for(before, commanded, least, 0, dt),
+        _commanded_for(before, commanded, least, 1, dt),
+        _commanded_for(before, commanded, least, 2, dt),
     )
     one, two, three = (
         _summed(before, commanded, measured, v, 0, dt),
@@ -123,9 +125,9 @@ def _passed(before: float, x: float, lag: float, dt: float) -> float:
     return before + (1.0 - math.exp(-dt / (TOGETHER + lag))) * (x - before)
 
 
-def _commanded_for(before: Answers, commanded: Vec3, i: int, dt: float) -> float:
-    """Return for how long a joint has been told to go one way [s]."""
-    if abs(commanded[i]) < COMMANDED or commanded[i] * before.commanded[i] < 0.0:
+def _commanded_for(before: Answers, commanded: Vec3, least: Vec3, i: int, dt: float) -> float:
+    """Return for how long a joint has been told to go one way [s], at the least rate that counts."""
+    if abs(commanded[i]) < abs(least[i]) or commanded[i] * before.commanded[i] < 0.0:
         return 0.0
     return before.times[i] + dt
 
