@@ -133,6 +133,19 @@ def test_what_does_not_count_leaves_the_sums_as_they_were(joint, changed, counts
 
 
 @every_joint
+@pytest.mark.parametrize(("now", "counts"), [(1.0, True), (0.51, True), (0.49, False), (-1.0, False)])
+@pytest.mark.parametrize("side", [1.0, -1.0])
+def test_while_its_command_falls_a_joint_runs_on_and_is_not_judged(joint, now, counts, side):
+    before = Answers(commanded=at(joint, 0.2 * side), measured=at(joint, 0.3 * side), times=(2.0, 2.0, 2.0))
+    told = before.commanded[joint] + (1.0 - math.exp(-PERIOD / (0.2 + LAGS[joint]))) * 0.2 * side * (
+        now - 1.0
+    )
+    u = at(joint, now * 0.2 * side)
+    found = answered(before, Q, u, before.measured, UNREAD, LAGGING, PERIOD)
+    assert found.squares[joint] == pytest.approx(told**2 * PERIOD if counts else 0.0)
+
+
+@every_joint
 @pytest.mark.parametrize("side", [1.0, -1.0])
 def test_a_swing_that_takes_two_seconds_to_its_speed_is_not_called_slow(joint, side):
     answers = NO_ANSWERS

@@ -142,6 +142,18 @@ def trembling(loop, way, frequency, periods=600):
     return loop.controller.guard.causes["machine"]
 
 
+@pytest.mark.parametrize("seed", [1, 2, 7, 8])
+def test_a_loader_that_swings_a_log_about_is_not_taken_for_another(seed):
+    machine, rng = load_machine("loader"), np.random.default_rng(seed)
+    plant = loaded(plant_parameters(machine), machine.manipulator, Load(480.0))
+    loop, velocity = loop_of(machine, machine, plant, seed=seed), ZERO
+    for k in range(1400):
+        if k >= BEGUN and k % 40 == 0 and rng.random() < 0.5:
+            velocity = tuple((0.5 * rng.uniform(-1.0, 1.0, 3) * rng.integers(0, 2, 3)).tolist())
+        loop.period(Operator(levers_for_tip_velocity(velocity, 0.5)))
+        assert loop.controller.guard.causes["machine"] == "", k
+
+
 LEFT, UP = (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)
 
 
