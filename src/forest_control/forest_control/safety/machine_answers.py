@@ -128,7 +128,7 @@ def _passed(before: float, x: float, lag: float, dt: float) -> float:
 
 def _commanded_for(before: Answers, commanded: Vec3, least: Vec3, i: int, dt: float) -> float:
     """Return for how long a joint has been told to go one way [s], at the least rate that counts."""
-    if abs(commanded[i]) < abs(least[i]) or commanded[i] * before.commanded[i] < 0.0:
+    if abs(commanded[i]) < least[i] or commanded[i] * before.commanded[i] < 0.0:
         return 0.0
     return before.times[i] + dt
 
