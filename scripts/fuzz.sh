@@ -9,6 +9,7 @@ set -euo pipefail
 source "$(dirname "${BASH_SOURCE[0]}")/setup.sh" test
 cd "$root"
 tool=$venv/fuzz lock=requirements-fuzz.lock seconds=${1:-60} failed=()
+[[ $seconds =~ ^[1-9][0-9]*$ ]] || die "SECONDS '$seconds'; allowed: whole, 1 or more" # 0 has no end
 if ! cmp --silent "$lock" "$tool/$lock"; then
     say "Installing Atheris into .venv/fuzz …"
     "$venv/bin/python" -m pip --disable-pip-version-check --no-input --quiet install --upgrade --no-deps \

@@ -174,3 +174,15 @@ def test_without_figures_the_page_of_the_faults_stays(tmp_path, arguments, code)
     ended = subprocess.run(["bash", tmp_path / "scripts/faults.sh", arguments], capture_output=True)
     assert ended.returncode == code
     assert page.read_text("utf-8") == "bounds"
+
+
+@pytest.mark.parametrize("seconds", ["0", "abc", "-5"])
+def test_fuzzing_without_an_end_is_refused(tmp_path, seconds):
+    (tmp_path / "scripts").mkdir()
+    shutil.copy(ROOT / "scripts/fuzz.sh", tmp_path / "scripts")
+    stub = f'root={tmp_path} venv={tmp_path}\ndie() {{ echo "$*" >&2; exit 1; }}\n'
+    (tmp_path / "scripts/setup.sh").write_text(stub, encoding="utf-8")
+    command = ["bash", tmp_path / "scripts/fuzz.sh", seconds]
+    ended = subprocess.run(command, capture_output=True, text=True)
+    assert ended.returncode == 1
+    assert ended.stderr == f"SECONDS '{seconds}'; allowed: whole, 1 or more\n"

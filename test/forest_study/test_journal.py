@@ -12,10 +12,22 @@ def test_entries_come_back_but_for_one_that_was_cut(tmp_path):
     journal.add({"key": "é"})
     with (tmp_path / "runs.jsonl").open("a", encoding="utf-8") as file:
         file.write('{"key": "cut in mid-')
+    del journal
     again = Journal(tmp_path, {"rows": ["plain"]})
     again.add("next")
     kept = [[{"error": 0.1 + 0.2}, {"error": None}], {"key": "é"}, "next"]
-    assert again.entries == Journal(tmp_path, {"rows": ["plain"]}).entries == kept
+    assert again.entries == kept
+    del again
+    assert Journal(tmp_path, {"rows": ["plain"]}).entries == kept
+
+
+def test_where_another_command_makes_runs_none_are_made_twice(tmp_path):
+    first = Journal(tmp_path, {})
+    with pytest.raises(StudyError, match="another command makes runs there; allowed: another --out"):
+        Journal(tmp_path, {})
+    first.add("kept")
+    del first
+    assert Journal(tmp_path, {}).entries == ["kept"]
 
 
 def test_what_differs_is_named(tmp_path):

@@ -31,6 +31,7 @@ from forest_description.sensors.sensor_kinds import Sensors
 from forest_description.types import AXES
 
 OWN_SECTIONS = ("valve", "hose")
+ROUNDING = 1e-3  # [m] of a reach, as its complaint has it
 """What an axis may have of its own instead of what all share."""
 
 
@@ -127,7 +128,7 @@ class Machine(ParameterSet):
         """Raise unless the load chart goes as far as the crane reaches."""
         m, chart = self.manipulator, self.capacity
         reach = m.base_offset + m.boom_length + m.stick_length
-        if chart is not None and chart.reach[-1] < reach:
+        if chart is not None and chart.reach[-1] < reach - ROUNDING:
             raise MachineError(
                 f"capacity.reach ends at {chart.reach[-1]:g} m; allowed: at least {reach:.3f} m, "
                 f"as far as the crane reaches"

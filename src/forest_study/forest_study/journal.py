@@ -1,9 +1,14 @@
 """Runs on disk as they are made, so that a command that was stopped goes on with those that are missing.
 
 DIR/runs.jsonl      first what made them, then a line for each entry
+
+While a journal lives no other command may write there: it would make the same runs a second time.
 """
 
+import fcntl
 import json
+import os
+import weakref
 from pathlib import Path
 from typing import Any
 
@@ -19,7 +24,7 @@ class Journal:
         made_by: what must be the same for runs to be the same, by name; the versions are added.
 
     Raises:
-        StudyError: something else has begun there.
+        StudyError: something else has begun there, or another command makes runs there.
     """
 
     def __init__(self, out: Path, made_by: dict[str, Any]) -> None:
@@ -29,6 +34,7 @@ class Journal:
             unfinished = out / "runs.jsonl.unfinished"
             unfinished.write_text(json.dumps(self.made_by) + "\n", encoding="utf-8")
             unfinished.rename(self._file)
+        self._lock()
         lines = self._file.read_bytes().splitlines(keepends=True)
         if lines and not lines[-1].endswith(b"\n"):  # the computer went down in mid-line
             lines.pop()
@@ -42,6 +48,16 @@ class Journal:
         changed = _changed(begun, json.loads(json.dumps(self.made_by)))
         if changed:
             raise StudyError(f"{out} was begun with other {', '.join(changed)}; allowed: another --out")
+
+    def _lock(self) -> None:
+        """Take the file, until this journal or its process is gone."""
+        held = os.open(self._file, os.O_RDWR)
+        weakref.finalize(self, os.close, held)
+        try:
+            fcntl.flock(held, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError:
+            where = self._file.parent
+            raise StudyError(f"{where}: another command makes runs there; allowed: another --out") from None
 
     def add(self, entry: Any) -> None:
         """Write an entry, of what JSON can say.

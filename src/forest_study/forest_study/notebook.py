@@ -11,6 +11,7 @@ crane, y to its left, z up.
 """
 
 import dataclasses
+import math
 from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -19,6 +20,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from forest_control.config.controller_settings import Settings
+from forest_control.operator.operator_profile import Mode
 from forest_control.servo.schemes import LABELS, scheme_named
 from forest_control.taught.tip_path import TipPath, polyline
 from forest_control.valve import valve_driver_parameters
@@ -172,10 +174,12 @@ class Loop:
 
         Raises:
             PathError: the path cannot be read, leaves the reach, or is not ended.
-            ValueError: the scheme is joint, or waypoints are not [K, 3].
+            ValueError: the scheme is joint, the mode position, or waypoints are not [K, 3].
         """
         if self.settings.scheme == scheme_named("joint"):
             raise ValueError("the scheme joint follows no path of the tip; allowed: the others, or drive()")
+        if self.settings.mode != Mode.RATE:
+            raise ValueError("the mode position follows no path of the tip; allowed: rate, or drive()")
         course = prepare(_path(path), speed, self.settings.scheme, self.model, laps)
         course = course._replace(settings=self.settings._replace(tip_speed=speed), drive=self.driver)
         session = follow(course, self.machine, self._suite(seed), self.driver.adapt, self._plant(seed))
@@ -198,8 +202,8 @@ class Loop:
             seed: as of `follow`.
 
         Raises:
-            ValueError: the levers are not three finite numbers a row, no duration is known, or the start is
-                out of reach.
+            ValueError: the levers are not three finite numbers a row, no duration above 0 is known, or the
+                start is out of reach.
         """
         operator, rows = _operator(levers, seconds)
         at = start_tip(self.machine) if start is None else (start[0], start[1], start[2])
@@ -253,8 +257,10 @@ def closed_loop(
     Raises:
         MachineError: a machine is not usable.
         ParameterError: a setting is unknown, or its value is not allowed.
-        ValueError: the scheme is unknown.
+        ValueError: the scheme is unknown, or a range is out of its own.
     """
+    if mismatch is not None:
+        model_mismatch.require_ranges(mismatch)
     if scheme not in LABELS:
         raise ValueError(f"scheme {scheme!r}; allowed: {', '.join(LABELS)}")
     simulated = machine if isinstance(machine, Machine) else load_machine(machine)
@@ -276,6 +282,8 @@ def _path(path: str | Path | TipPath | ArrayLike) -> TipPath:
 
 def _operator(levers: Operator | ArrayLike, seconds: float | None) -> tuple[Operator, int]:
     """Return who says the levers, and for how many periods."""
+    if seconds is not None and not 0.0 < seconds < math.inf:
+        raise ValueError(f"seconds {seconds!r}; allowed: above 0")
     if callable(levers):
         if seconds is None:
             raise ValueError("a function of levers needs seconds, how long it drives")

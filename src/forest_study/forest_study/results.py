@@ -5,6 +5,7 @@ from pathlib import Path
 from typing import Any
 
 from forest_compile.kernel_cache import can_compile
+from forest_msgs_py.runtime.command_line import path_in_errors
 
 
 class StudyError(Exception):
@@ -39,4 +40,5 @@ def require_llvm(study: str, extra: str = "fast") -> None:
 
 def write_json(path: Path, report: dict[str, Any]) -> None:
     """Write numbers as people and programs read them."""
-    path.write_text(json.dumps(report, indent=2) + "\n", encoding="utf-8")
+    with path_in_errors(path):
+        path.write_text(json.dumps(report, indent=2) + "\n", encoding="utf-8")

@@ -208,6 +208,7 @@ def test_a_damaged_bag_is_refused_with_advice(make_bag, content, capsys):
         ),
         (["--align", "/nothing"], "/nothing"),
         (["--json", "/nowhere/c.json"], "/nowhere/c.json: No such file"),
+        (["--json", "/dev/full"], "/dev/full: No space left"),
     ],
 )
 def test_what_is_wrong_is_named(make_bag, content, capsys, flags, problem):

@@ -14,6 +14,7 @@ from forest_control.safety.machine_answers import (
     is_of_another_rate,
     is_too_light,
 )
+from forest_control.safety.overloaded_joint import commanded_rates
 from forest_description.geometry.linkage import lever_arm
 from forest_description.machine import load_machine
 from forest_description.types import ZERO
@@ -99,10 +100,10 @@ def at(joint, value, others=0.0):
 @every_joint
 def test_a_rate_counts_behind_its_low_pass_once_a_joint_was_told_for_half_a_second(joint):
     before = Answers(
-        commanded=(0.05, 0.05, 0.05), measured=(0.02, 0.02, 0.02), times=(0.6, 0.6, 0.6), squares=(1e-3,) * 3
+        commanded=(0.08, 0.08, 0.08), measured=(0.02, 0.02, 0.02), times=(0.6, 0.6, 0.6), squares=(1e-3,) * 3
     )
     u, v = (0.1, 0.2, 0.3), (0.021, 0.015, 0.01)
-    told = 0.05 + (1.0 - math.exp(-PERIOD / (0.2 + LAGS[joint]))) * (u[joint] - 0.05)
+    told = 0.08 + (1.0 - math.exp(-PERIOD / (0.2 + LAGS[joint]))) * (u[joint] - 0.08)
     gone = 0.02 + (1.0 - math.exp(-PERIOD / 0.2)) * (v[joint] - 0.02)
     found = answered(before, Q, u, v, UNREAD, LAGGING, PERIOD)
     sums = (found.commanded, found.measured, found.times, found.squares, found.products, found.responses)
@@ -132,6 +133,19 @@ def test_what_does_not_count_leaves_the_sums_as_they_were(joint, changed, counts
 
 
 @every_joint
+@pytest.mark.parametrize(("now", "counts"), [(1.0, True), (0.51, True), (0.49, False), (-1.0, False)])
+@pytest.mark.parametrize("side", [1.0, -1.0])
+def test_while_its_command_falls_a_joint_runs_on_and_is_not_judged(joint, now, counts, side):
+    before = Answers(commanded=at(joint, 0.2 * side), measured=at(joint, 0.3 * side), times=(2.0, 2.0, 2.0))
+    told = before.commanded[joint] + (1.0 - math.exp(-PERIOD / (0.2 + LAGS[joint]))) * 0.2 * side * (
+        now - 1.0
+    )
+    u = at(joint, now * 0.2 * side)
+    found = answered(before, Q, u, before.measured, UNREAD, LAGGING, PERIOD)
+    assert found.squares[joint] == pytest.approx(told**2 * PERIOD if counts else 0.0)
+
+
+@every_joint
 @pytest.mark.parametrize("side", [1.0, -1.0])
 def test_a_swing_that_takes_two_seconds_to_its_speed_is_not_called_slow(joint, side):
     answers = NO_ANSWERS
@@ -146,12 +160,18 @@ def test_a_swing_that_takes_two_seconds_to_its_speed_is_not_called_slow(joint, s
 @every_joint
 @pytest.mark.parametrize(
     ("told", "wish", "time"),
-    [(0.0021, 0.0021, 1.0 + PERIOD), (0.0019, 0.0019, 0.0), (-0.05, -0.05, 1.0 + PERIOD), (0.003, -0.5, 0.0)],
+    [
+        (0.36, 0.36, 1.0 + PERIOD),
+        (0.34, 0.34, 0.0),
+        (-0.36, -0.36, 1.0 + PERIOD),
+        (-0.34, -0.34, 0.0),
+        (0.4, -60.0, 0.0),
+    ],
 )
 def test_a_joint_is_told_for_as_long_as_it_is_told_one_way(joint, told, wish, time):
-    found = answered(
-        Answers(commanded=at(joint, told), times=(1.0, 1.0, 1.0)), Q, at(joint, wish), ZERO, UNREAD, P, PERIOD
-    )
+    """At rates for which an ideal valve would get 0.35 V or more: below, an overlap that is off decides."""
+    told, wish = (commanded_rates(Q, at(joint, volts), P) for volts in (told, wish))
+    found = answered(Answers(commanded=told, times=(1.0, 1.0, 1.0)), Q, wish, ZERO, UNREAD, P, PERIOD)
     assert found.times[joint] == pytest.approx(time)
 
 

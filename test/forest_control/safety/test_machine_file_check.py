@@ -134,6 +134,52 @@ def test_a_pin_that_is_a_tenth_off_is_named_within_two_seconds(axis, pin, share)
     assert why.startswith(f"machine file: the length of the {axis}'s cylinder")
 
 
+def trembling(loop, way, frequency, periods=600):
+    """What is said of the crane in the end, under levers that tremble about their centre at 0.3 m/s."""
+    for k in range(periods):
+        share = 0.3 * math.sin(2.0 * math.pi * frequency * (k - BEGUN) * PERIOD) if k >= BEGUN else 0.0
+        loop.period(Operator(levers_for_tip_velocity(tuple(share * one for one in way), 0.5)))
+    return loop.controller.guard.causes["machine"]
+
+
+@pytest.mark.parametrize("seed", [1, 2, 7, 8])
+def test_a_loader_that_swings_a_log_about_is_not_taken_for_another(seed):
+    machine, rng = load_machine("loader"), np.random.default_rng(seed)
+    plant = loaded(plant_parameters(machine), machine.manipulator, Load(480.0))
+    loop, velocity = loop_of(machine, machine, plant, seed=seed), ZERO
+    for k in range(1400):
+        if k >= BEGUN and k % 40 == 0 and rng.random() < 0.5:
+            velocity = tuple((0.5 * rng.uniform(-1.0, 1.0, 3) * rng.integers(0, 2, 3)).tolist())
+        loop.period(Operator(levers_for_tip_velocity(velocity, 0.5)))
+        assert loop.controller.guard.causes["machine"] == "", k
+
+
+LEFT, UP = (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)
+
+
+@pytest.mark.parametrize(
+    ("name", "way", "frequency"),
+    [
+        ("c180", LEFT, 3.0),
+        ("c180", UP, 4.0),
+        ("c180", LEFT, 5.0),
+        ("c180_hoses", LEFT, 5.0),
+        ("loader", LEFT, 4.0),
+    ],
+)
+def test_levers_that_tremble_accuse_neither_file_nor_load(name, way, frequency):
+    machine = load_machine(name)
+    assert trembling(loop_of(machine, machine), way, frequency) == ""
+
+
+@pytest.mark.parametrize("axis", AXES)
+def test_under_levers_that_tremble_a_valve_that_is_piped_the_other_way_is_named_too(axis):
+    loop = loop_of(C180, C180)
+    pipe(loop, tuple(-1.0 if name == axis else 1.0 for name in AXES))
+    told = trembling(loop, (0.577, 0.577, 0.577), 4.0, BEGUN + 400)
+    assert told.startswith(f"machine file: {axis} goes against its commands")
+
+
 @pytest.mark.parametrize("seed", range(6))
 def test_a_machine_that_is_only_somewhat_off_is_not_taken_for_another(seed):
     """Gains within 40 %, deadbands within 0.15 V, a head of half to twice the mass, spools; or cold oil."""

@@ -139,6 +139,21 @@ def test_each_joint_s_way_is_its_own_rate_s_towards_its_own_command():
 
 
 @every_joint
+def test_a_way_ends_where_its_command_turns_round(joint):
+    forth = look(FileCheck(ways=(-1e-3, -1e-3, -1e-3)), rates=(-0.1, -0.1, -0.1))
+    assert forth.ways == pytest.approx(3 * (-1e-3 - 0.1 * PERIOD,))
+    back = look(forth, rates=(-0.1, -0.1, -0.1), u=at(joint, -0.1, 0.1))
+    assert back.ways[joint] == pytest.approx(0.1 * PERIOD)
+    # A command that only feeds leakage turns round, too; a shut valve or no command does not.
+    fed = look(forth, u=at(joint, -1e-3, 1e-3))
+    assert fed.ways == pytest.approx(at(joint, 0.0, forth.ways[0]))
+    assert forth.sides == (1.0, 1.0, 1.0)
+    assert look(FileCheck(sides=(1.0, -1.0, 0.0)), u=ZERO).sides == (1.0, -1.0, 0.0)
+    proven = look(FileCheck(ways=(PROVEN, PROVEN, PROVEN), sides=(1.0, 1.0, 1.0)), u=(-0.1, -0.1, -0.1))
+    assert proven.ways == (PROVEN, PROVEN, PROVEN)
+
+
+@every_joint
 def test_a_way_counts_behind_a_valve_that_is_open_and_a_command_that_is_none_of_leakage(joint):
     for volts, opened in (
         (FORWARD[joint] + 1e-3, True),

@@ -596,6 +596,16 @@ def test_a_contradiction_is_refused_with_line_key_and_what_is_allowed(tmp_path, 
     assert told in str(caught.value)
 
 
+def test_the_reach_that_a_complaint_names_is_enough(tmp_path):
+    file = tmp_path / "chart.yaml"
+    text = "based_on: c180_hoses\nmanipulator:\n  boom_length: = 4.1188 m\n"  # 8.5703 m in all
+    file.write_text(written(text + CAPACITY.format(reach="4, 8.5", load="900, 500")))
+    with pytest.raises(MachineError, match=r"allowed: at least 8\.570 m"):
+        load_machine(str(file))
+    file.write_text(written(text + CAPACITY.format(reach="4, 8.570", load="900, 500")))
+    assert load_machine(str(file)).capacity.reach[-1] == 8.57
+
+
 def test_an_inertia_that_is_not_told_stays_allowed_as_in_the_thesis(tmp_path):
     path = tmp_path / "mine.yaml"
     path.write_text(written("based_on: c180_thesis\nmanipulator:\n  head_mass: = 500 kg\n"), "utf-8")

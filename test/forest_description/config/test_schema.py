@@ -174,6 +174,9 @@ def test_unreadable_files_are_named_with_the_reason(tmp_path):
     binary = tmp_path / "binary.yaml"
     binary.write_bytes(b"\xff\xfe\x00")
     assert complaint(binary) == f"{binary}: cannot read the machine file: not UTF-8 text"
+    pipe = tmp_path / "pipe.yaml"
+    os.mkfifo(pipe)  # without a writer, reading would wait
+    assert complaint(pipe) == f"{pipe}: cannot read the machine file: not a regular file"
     endless = tmp_path / "endless.yaml"
     endless.touch()
     os.truncate(endless, 1 << 30)  # a file of holes takes no place on the disk

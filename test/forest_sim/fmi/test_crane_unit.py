@@ -7,6 +7,7 @@ import sysconfig
 
 import numpy as np
 import pytest
+from fmpy.validation import validate_fmu
 
 from forest_description.machine import load_machine
 from forest_description.types import AXES
@@ -156,6 +157,10 @@ def test_a_process_runs_units_of_other_machines_after_the_first(fmu, tmp_path):
     first, second, third = (float(line) for line in done.stdout.splitlines())
     assert first == third == start_angles(load_machine(MACHINE))[1]
     assert second == start_angles(load_machine("loader"))[1] != first
+
+
+def test_fmpys_validator_finds_nothing(fmu):
+    assert validate_fmu(str(fmu)) == []
 
 
 def test_a_file_that_is_there_is_left_alone(fmu, capsys):

@@ -154,6 +154,30 @@ def test_bad_options_name_what_is_allowed(options, named, tmp_path, forked):
     assert not (tmp_path / "out").exists()
 
 
+STOPPED = """
+import sys
+from forest_bringup.supervisor import Stopped
+from forest_study.demo import demo
+
+def stopped(options):
+    if {recorded}:
+        (options.out / demo.BAG).mkdir(parents=True)
+    raise Stopped
+
+demo._demo = stopped
+sys.exit(demo.main(["--out", "out"]))
+"""
+
+
+@pytest.mark.parametrize("recorded", [True, False])
+def test_one_that_is_stopped_says_where_the_record_is_if_there_is_one(recorded, tmp_path):
+    command = [sys.executable, "-c", STOPPED.format(recorded=recorded)]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=60, cwd=tmp_path, check=False)
+    assert done.returncode == 130
+    assert ("what was recorded is in out" in done.stderr) == recorded
+    assert "stopped before the session's end" in done.stderr
+
+
 def test_a_bad_lever_file_is_refused_before_anything_starts(tmp_path, forked):
     levers = tmp_path / "levers.csv"
     levers.write_text("time_s,swing,boom,stick\n0,0,0,0\n1,0,7,0\n")

@@ -36,6 +36,13 @@ def test_sobols_indices_are_ishigamis():
     assert [found[name].total for name in "xyz"] == pytest.approx([0.5576, 0.4424, 0.2437], abs=0.03)
 
 
+def test_a_single_range_makes_all_of_its_figure_by_sobol_and_nothing_of_a_constant():
+    study = STUDY._replace(ranges={"x": Span(0.0, 1.0)})
+    for function, share in ((lambda x: 3.0 * x, 1.0), (lambda x: 0.0 * x, 0.0)):
+        found = shares(study, rows_of(study, function), "figure")
+        assert found["x"] == pytest.approx((share, share), abs=0.01)
+
+
 def test_a_hypercubes_shares_are_the_first_order_of_each_range():
     study = STUDY._replace(design="latin_hypercube", points=2000)
     found = shares(study, rows_of(study, ishigami), "figure")

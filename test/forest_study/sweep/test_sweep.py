@@ -93,6 +93,7 @@ def test_a_worker_that_is_killed_loses_nothing_and_a_stopped_study_goes_on(tmp_p
             store.add(rows)
         assert all(row["error"] is None for row in rows)
         done = store.done()
+        del store
         assert 0 < len(done) < 12
         assert main(["sweep", str(study), "--out", str(out), "--scheduler", address]) == 0
     told = capsys.readouterr().out

@@ -12,7 +12,7 @@ from pathlib import Path
 from forest_bag.compare.comparison import Comparison, Tolerance
 from forest_bag.read.bag_reader import BagReader
 from forest_bag.storage.bag_files import BagError
-from forest_msgs_py.runtime.command_line import Subcommands
+from forest_msgs_py.runtime.command_line import Subcommands, path_in_errors
 
 TROUBLE = 2  # as diff and cmp do: 1 means "different"
 
@@ -98,7 +98,8 @@ def _write(comparison: Comparison, options: argparse.Namespace) -> None:
         if to_stdout:
             print(text)
         else:
-            options.json.write_text(text + "\n", encoding="utf-8")
+            with path_in_errors(options.json):
+                options.json.write_text(text + "\n", encoding="utf-8")
     if options.picture is not None:
         from forest_bag.compare.comparison_plot import draw
 

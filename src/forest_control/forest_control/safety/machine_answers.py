@@ -10,11 +10,11 @@ file says, though the driver allows for loads; or the pressures bear less than b
 | W, W_0 | torque of the boom's cylinder, and of the weight of boom and stick, over the way | N m rad |
 | way | what the boom has gone up, and the swing either way, as commanded | rad |
 
-Rates count once a joint was told for `SETTLES`, while its own does not grow: before, it speeds up, and its
-oil is pressed. G is judged once a joint was told enough and moves, W once the way is `FREE`; what has
-answered right is not asked again. A joint that stands is not judged: it may be held; nor is one that goes
-back, which `machine_file_check` asks for its way. A boom that stands or goes down proves no weight: it may
-lean on what lies below. What goes up, or swings, is free.
+Rates count once a joint was told for `SETTLES`, while its own does not grow and its command does not fall:
+before, it speeds up, and its oil is pressed; after, it runs on. G is judged once a joint was told enough and
+moves, W once the way is `FREE`; what has answered right is not asked again. A joint that stands is not
+judged: it may be held; nor is one that goes back, which `machine_file_check` asks for its way. A boom that
+stands or goes down proves no weight: it may lean on what lies below. What goes up, or swings, is free.
 """
 
 import math
@@ -22,13 +22,15 @@ from typing import NamedTuple
 
 from forest_control.config.controller_settings import Parameters
 from forest_control.limits.load_weighing import Pressures, own_weight
+from forest_control.safety.overloaded_joint import commanded_rates
 from forest_description.geometry.linkage import lever_arm
 from forest_description.types import ZERO, Vec3
 
 TOGETHER = 0.2  # [s] over the time in which a valve, and the oil behind it, answer
 SETTLES = 0.5  # [s] one way: a swing at full speed has sped up, and a joint that took a load has come to rest
 GROWS = 1.1  # [1] of its own low-pass, over which a rate still grows: at even acceleration for 2 s
-COMMANDED = 0.002  # [rad/s] of u, from which it counts: less may be leakage that is fed
+FALLS = 2.0  # [1] of the command, from which its own low-pass tells that it falls; a servo takes some back
+COMMANDED = 0.35  # [V] of an ideal valve for u, from which it counts: an overlap may be 0.15 V off the file's
 TOLD = 8e-3  # [rad^2/s] of integral u^2 that judges, 0.1 rad/s for 0.8 s; the forwarder's oil fills till then
 MOVED = 2e-3  # [rad^2/s] of integral v^2 that judges a joint that is too fast: a quarter of it
 ASKED = 5e-4  # [rad^2/s] of integral u^2 of such a joint: at twice the rate it has `MOVED`
@@ -80,15 +82,16 @@ def answered(
         _passed(before.measured[1], v[1], 0.0, dt),
         _passed(before.measured[2], v[2], 0.0, dt),
     )
+    least = commanded_rates(q, (COMMANDED, COMMANDED, COMMANDED), p)
     times = (
-        _commanded_for(before, commanded, 0, dt),
-        _commanded_for(before, commanded, 1, dt),
-        _commanded_for(before, commanded, 2, dt),
+        _commanded_for(before, commanded, least, 0, dt),
+        _commanded_for(before, commanded, least, 1, dt),
+        _commanded_for(before, commanded, least, 2, dt),
     )
     one, two, three = (
-        _summed(before, commanded, measured, v, 0, dt),
-        _summed(before, commanded, measured, v, 1, dt),
-        _summed(before, commanded, measured, v, 2, dt),
+        _summed(before, commanded, measured, u, v, 0, dt),
+        _summed(before, commanded, measured, u, v, 1, dt),
+        _summed(before, commanded, measured, u, v, 2, dt),
     )
     after = before._replace(
         commanded=commanded,
@@ -123,22 +126,22 @@ def _passed(before: float, x: float, lag: float, dt: float) -> float:
     return before + (1.0 - math.exp(-dt / (TOGETHER + lag))) * (x - before)
 
 
-def _commanded_for(before: Answers, commanded: Vec3, i: int, dt: float) -> float:
-    """Return for how long a joint has been told to go one way [s]."""
-    if abs(commanded[i]) < COMMANDED or commanded[i] * before.commanded[i] < 0.0:
+def _commanded_for(before: Answers, commanded: Vec3, least: Vec3, i: int, dt: float) -> float:
+    """Return for how long a joint has been told to go one way [s], at the least rate that counts."""
+    if abs(commanded[i]) < least[i] or commanded[i] * before.commanded[i] < 0.0:
         return 0.0
     return before.times[i] + dt
 
 
 def _summed(
-    before: Answers, commanded: Vec3, measured: Vec3, rates: Vec3, i: int, dt: float
+    before: Answers, commanded: Vec3, measured: Vec3, told: Vec3, rates: Vec3, i: int, dt: float
 ) -> tuple[float, float, float]:
-    """Return the sums of one joint; as before if it has proven right, is told nothing, grows or goes back."""
+    """Return the sums of one joint; as before if it has proven right, or is told less, grows or goes back."""
     squares, products, responses = before.squares[i], before.products[i], before.responses[i]
     u, v = commanded[i], measured[i]
     if min(squares, responses) > TOLD or before.times[i] < SETTLES or u * v < 0.0:
         return squares, products, responses
-    if rates[i] * v > GROWS * v * v:
+    if rates[i] * v > GROWS * v * v or FALLS * told[i] * u < u * u:
         return squares, products, responses
     return squares + u * u * dt, products + u * v * dt, responses + v * v * dt
 

@@ -19,7 +19,10 @@ more, while oil that is led to the other side leaves it to its weight. Such a wa
 | symbol | name | unit |
 |---|---|---|
 | u, v | commanded and measured joint rate | rad/s |
-| way | what a joint has gone as commanded, less what it has gone against that, integral of v sgn(u) | rad |
+| way | what a joint has gone to the side of u, since that last changed: integral of v sgn(u) | rad |
+
+A way ends where the command turns round. Oil and spool lag behind levers that tremble, and a joint that rocks
+against them as they turn has gone nowhere.
 
 Not seen: wrong lengths of links, masses and gains that are less than twice off; and a wrong geometry, where
 neither cylinders nor pressures are measured, that makes joints neither far slower nor faster.
@@ -50,6 +53,7 @@ class FileCheck(NamedTuple):
     """What the machine has answered since the controller's start."""
 
     ways: Vec3 = ZERO  # [rad]; of a joint that has proven right: `PROVEN`
+    sides: Vec3 = ZERO  # [1] to which each was commanded last, -1 or 1; 0: not yet
     strange: float = 0.0  # [s] for which lengths have not fitted
     fitted: bool = False  # they once did
     wrong: int = FITS  # for good; `BOOM` and `STICK`, once lengths have fitted, while they do not
@@ -86,10 +90,11 @@ def watched(
         return before
     loaded = (pressures[0] if voltages[1] > 0.0 else pressures[1]) > BORNE * p.speed_limits.supply_pressure
     u = _opened_for(asked, voltages, loaded, p)
+    sides = _side(before.sides[0], u[0]), _side(before.sides[1], u[1]), _side(before.sides[2], u[2])
     ways = (
-        _way(before.ways[0], u[0], rates[0], dt),
-        _way(before.ways[1], u[1], rates[1], dt),
-        _way(before.ways[2], u[2], rates[2], dt),
+        _way(before, sides, rates, u, 0, dt),
+        _way(before, sides, rates, u, 1, dt),
+        _way(before, sides, rates, u, 2, dt),
     )
     answers = machine_answers.answered(before.answers, angles, u, rates, pressures, p, dt)
     boom, stick = _misfit(lengths[0], angles[1], 0, p), _misfit(lengths[1], angles[2], 1, p)
@@ -107,7 +112,7 @@ def watched(
         goes_back = asked[i] != 0.0 and overloaded_joint.goes_back(overload, i) and not (i == 1 and loaded)
         if ways[i] < -PROVEN or (ways[i] < PROVEN and goes_back):
             wrong = POLARITY + i
-    return FileCheck(ways, strange, fitted, wrong, answers)
+    return FileCheck(ways, sides, strange, fitted, wrong, answers)
 
 
 def _opened_for(asked: Vec3, voltages: Vec3, loaded: bool, p: Parameters) -> Vec3:
@@ -119,11 +124,17 @@ def _opened_for(asked: Vec3, voltages: Vec3, loaded: bool, p: Parameters) -> Vec
     )
 
 
-def _way(before: float, u: float, v: float, dt: float) -> float:
+def _side(before: float, u: float) -> float:
+    """Return the side [1] to which a joint was commanded last."""
+    return math.copysign(1.0, u) if u != 0.0 else before
+
+
+def _way(before: FileCheck, sides: Vec3, rates: Vec3, u: Vec3, i: int, dt: float) -> float:
     """Return the way of one joint [rad]."""
-    if before >= PROVEN or abs(u) < COMMANDED:
-        return before
-    return min(PROVEN, before + math.copysign(v, u * v) * dt)
+    if before.ways[i] >= PROVEN:
+        return PROVEN
+    begun = 0.0 if before.sides[i] * sides[i] < 0.0 else before.ways[i]
+    return begun if abs(u[i]) < COMMANDED else min(PROVEN, begun + sides[i] * rates[i] * dt)
 
 
 def _misfit(length: float, angle: float, i: int, p: Parameters) -> float:

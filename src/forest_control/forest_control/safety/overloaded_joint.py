@@ -10,7 +10,7 @@ valve throws the tip. So the valves are shut, and a person must want to move aga
 | V | voltage of the joint's valve, as the driver says | V |
 | u, v | commanded and measured joint rate | rad/s |
 | way | what the joint has gone against its open valve, integral of abs v | rad |
-| owed | what it has not gone with it: integral of abs u - abs v / `ANSWERS`, of a low-passed v | rad |
+| owed | what it has not gone with it: integral of abs u - abs v / `ANSWERS`, of low-passed u and v | rad |
 | since | how long it has owed something | s |
 
 Not seen: a joint that goes at a tenth of its rate.
@@ -27,7 +27,7 @@ WAY = 0.005  # [rad] 30 mm of the tip at 6 m; a joint that turns round under a l
 LONG = (0.5, 0.1, 0.1)  # [s] in which oil turns a joint round; a swing rocks slowly on its hoses
 OPEN = 0.4  # [1] of the way from the overlap's edge to the rated voltage: small openings are leakage's
 OWED = 0.03  # [rad] twice what a joint owes that goes: 0.014 of the forwarder's swing, 0.011 in the matrix
-OWED_LAG = 0.1  # [s] of the low-pass of v: what rocks at 4 Hz on its oil is no answer
+OWED_LAG = 0.1  # [s] of both low-passes: what rocks at 4 Hz on its oil is no answer, what trembles no command
 ANSWERS = 0.1  # [1] of u, at which a joint owes no more
 STARTS = 0.3  # [s] a joint may owe more at a step of its lever: spool and oil take so long, at any rate
 
@@ -40,6 +40,7 @@ class Overload(NamedTuple):
     owed: Vec3 = ZERO  # [rad]
     since: Vec3 = ZERO  # [s]
     gone: Vec3 = ZERO  # v, low-passed [rad/s]
+    told: Vec3 = ZERO  # u, likewise
 
 
 def commanded_rates(angles: Vec3, command: Vec3, p: Parameters) -> Vec3:
@@ -69,16 +70,11 @@ def watched(before: Overload, u: Vec3, rates: Vec3, voltages: Vec3, p: Parameter
         p: the controller's parameters.
         dt: since the last sample [s].
     """
-    weight = 1.0 - math.exp(-dt / OWED_LAG)
-    gone = (
-        before.gone[0] + weight * (rates[0] - before.gone[0]),
-        before.gone[1] + weight * (rates[1] - before.gone[1]),
-        before.gone[2] + weight * (rates[2] - before.gone[2]),
-    )
+    gone, told = _passed(before.gone, rates, dt), _passed(before.told, u, dt)
     owed = (
-        _owed(before, u, gone, voltages, 0, p, dt),
-        _owed(before, u, gone, voltages, 1, p, dt),
-        _owed(before, u, gone, voltages, 2, p, dt),
+        _owed(before, u, told, gone, voltages, 0, p, dt),
+        _owed(before, u, told, gone, voltages, 1, p, dt),
+        _owed(before, u, told, gone, voltages, 2, p, dt),
     )
     since = (
         _later(before, owed, 0, p, dt),
@@ -88,14 +84,26 @@ def watched(before: Overload, u: Vec3, rates: Vec3, voltages: Vec3, p: Parameter
     way_1, time_1 = _gone_back(before, rates, voltages, 0, p, dt)
     way_2, time_2 = _gone_back(before, rates, voltages, 1, p, dt)
     way_3, time_3 = _gone_back(before, rates, voltages, 2, p, dt)
-    return Overload((way_1, way_2, way_3), (time_1, time_2, time_3), owed, since, gone)
+    return Overload((way_1, way_2, way_3), (time_1, time_2, time_3), owed, since, gone, told)
 
 
-def _owed(before: Overload, u: Vec3, gone: Vec3, voltages: Vec3, i: int, p: Parameters, dt: float) -> float:
+def _passed(before: Vec3, now: Vec3, dt: float) -> Vec3:
+    """Return rates [rad/s] behind the low-pass."""
+    weight = 1.0 - math.exp(-dt / OWED_LAG)
+    return (
+        before[0] + weight * (now[0] - before[0]),
+        before[1] + weight * (now[1] - before[1]),
+        before[2] + weight * (now[2] - before[2]),
+    )
+
+
+def _owed(
+    before: Overload, u: Vec3, told: Vec3, gone: Vec3, voltages: Vec3, i: int, p: Parameters, dt: float
+) -> float:
     """Return what one joint has not gone with its open valve [rad], never less than zero."""
     if not opens(voltages[i], i, p) or voltages[i] * u[i] <= 0.0:
         return 0.0
-    return max(0.0, before.owed[i] + (abs(u[i]) - abs(gone[i]) / ANSWERS) * dt)
+    return max(0.0, before.owed[i] + (abs(told[i]) - abs(gone[i]) / ANSWERS) * dt)
 
 
 def _later(before: Overload, owed: Vec3, i: int, p: Parameters, dt: float) -> float:

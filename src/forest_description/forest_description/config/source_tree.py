@@ -136,6 +136,8 @@ def _numbers(tree: Branch, prefix: str) -> dict[str, random_machine.Number]:
 
 def _file_text(path: Path) -> tuple[str, str]:
     """Return file label and text of a machine file."""
+    if path.exists() and not path.is_file():  # a pipe may never end, and each node reads the file
+        raise MachineError(f"{path}: cannot read the machine file: not a regular file")
     try:
         with path.open("rb") as stream:
             data = stream.read(LARGEST + 1)

@@ -9,6 +9,7 @@ import math
 import signal
 import sys
 from collections.abc import Callable, Iterator
+from pathlib import Path
 from typing import TextIO, TypeAlias
 
 from forest_msgs_py.runtime.stop_signals import heeded
@@ -129,6 +130,17 @@ def run(program: str, options: argparse.Namespace, errors: tuple[type[Exception]
     except errors as error:
         print(f"{program}: {error}", file=sys.stderr)
     return 1
+
+
+@contextlib.contextmanager
+def path_in_errors(path: Path) -> Iterator[None]:
+    """Have errors say where something could not be written; that of a full disk does not by itself."""
+    try:
+        yield
+    except OSError as error:
+        if error.filename is not None or error.errno is None:
+            raise
+        raise OSError(error.errno, error.strerror, str(path)) from error
 
 
 @contextlib.contextmanager

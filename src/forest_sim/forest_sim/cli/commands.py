@@ -16,7 +16,7 @@ from forest_compile.kernel_cache import can_compile
 from forest_description.geometry.kinematics import tip_position
 from forest_description.machine import Machine, load_machine
 from forest_description.types import AXES, Vec3
-from forest_msgs_py.runtime.command_line import StatusLine
+from forest_msgs_py.runtime.command_line import StatusLine, path_in_errors
 from forest_msgs_py.runtime.stop_signals import heeded
 from forest_sim.analysis import machine_check, mode_map, modes, pump_comparison, run_summary
 from forest_sim.analysis.friction_linearisation import (
@@ -43,7 +43,7 @@ from forest_sim.simulation.open_loop import (
     substeps,
 )
 from forest_sim.simulation.sensor_log import EXACT, Sensing, SensorLog
-from forest_sim.simulation.trajectory_files import DecimatedRows, Rows, TrajectoryFiles, path_in_errors
+from forest_sim.simulation.trajectory_files import DecimatedRows, Rows, TrajectoryFiles
 from forest_sim.simulation.voltage_profiles import Voltages
 from forest_sim.solver.equilibrium import equilibrium
 

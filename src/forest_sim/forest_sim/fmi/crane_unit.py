@@ -6,9 +6,10 @@ The importing tool's Python runs it. Outputs carry the names of the graph's topi
 
 import math
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
+from xml.etree.ElementTree import Element
 
 from pythonfmu import Boolean, Fmi2Causality, Fmi2Slave, Fmi2Variability, Integer, Real
 
@@ -34,6 +35,7 @@ MACHINE_FILE = "machine.yaml"
 NAMESPACES: list[dict[str, Any]] = []
 """Of the scripts that made units in this process."""
 STEP_TOLERANCE = 1e-9  # [s]
+NO_OPTIONS: Mapping[str, str] = {}
 COUNTED = ("missed_deadlines",)  # of a node, which a unit is not
 
 
@@ -79,6 +81,18 @@ class CraneUnit(Fmi2Slave):
             for name, unit in _outputs(topic):
                 if not math.isnan(self._values[name]):  # a sensor that this machine does not have
                     self._add(Real, name, f"/{topic.name} [{unit}]", Fmi2Causality.output)
+
+    def to_xml(self, model_options: Mapping[str, str] = NO_OPTIONS) -> Element:
+        """Return the unit's description; FMI 2.0 wants outputs among the initial unknowns, too.
+
+        Args:
+            model_options: of pythonfmu.
+        """
+        root: Element = super().to_xml(dict(model_options))
+        (structure,) = root.iter("ModelStructure")
+        structure.append(Element("InitialUnknowns"))
+        structure[-1].extend(structure[0])
+        return root
 
     def exit_initialization_mode(self) -> None:
         """Put the machine to rest at the joint angles that the tool has set.

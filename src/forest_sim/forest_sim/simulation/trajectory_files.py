@@ -4,7 +4,6 @@ Stamps are simulated time from zero, and so are log times: the same run gives th
 """
 
 import contextlib
-from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -167,14 +166,3 @@ class DecimatedRows:
 
 def _resolved(topic: Topic) -> str:
     return f"/{topic.name}"
-
-
-@contextlib.contextmanager
-def path_in_errors(directory: Path) -> Iterator[None]:
-    """Have errors say where something could not be written; that of a full disk does not by itself."""
-    try:
-        yield
-    except OSError as error:
-        if error.filename is not None or error.errno is None:
-            raise
-        raise OSError(error.errno, error.strerror, str(directory)) from error

@@ -251,7 +251,16 @@ def ranges_from(text: str) -> Ranges:
             given[name] = float(value)
         except ValueError:
             raise argparse.ArgumentTypeError(f"{part!r}; allowed: {name}=NUMBER") from None
-        low = LOWEST.get(name, 0.0)
-        if not low <= given[name] <= HIGHEST[name]:
-            raise argparse.ArgumentTypeError(f"{part!r}; allowed: {low:g} .. {HIGHEST[name]:g}")
+    try:
+        require_ranges(Ranges(**given))
+    except ValueError as error:
+        raise argparse.ArgumentTypeError(str(error)) from None
     return Ranges(**given)
+
+
+def require_ranges(ranges: Ranges) -> None:
+    """Raise ValueError unless each range is within its own."""
+    for name, given in ranges._asdict().items():
+        low = LOWEST.get(name, 0.0)
+        if given is not None and not low <= given <= HIGHEST[name]:
+            raise ValueError(f"{name}={given:g}; allowed: {low:g} .. {HIGHEST[name]:g}")

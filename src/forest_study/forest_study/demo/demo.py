@@ -37,6 +37,7 @@ from forest_msgs_py.types import PERIOD
 from forest_sim.simulation.load_schedule import parse_loads
 from forest_study.results import write_json
 
+BAG = "bag"  # of a session, in the directory for results
 LISTENERS = 2  # controller and recorder: the bag holds the session from its first joystick sample
 END_LIMIT = 10.0  # [s] for it to end
 START_LIMIT = 20.0  # [s] for the session to begin
@@ -81,10 +82,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
         with contextlib.suppress(BrokenPipeError):
             return _demo(options)
     except Stopped:
-        print(
-            f"\ndemo: stopped before the session's end; what was recorded is in {options.out}",
-            file=sys.stderr,
-        )
+        kept = f"; what was recorded is in {options.out}" if (options.out / BAG).exists() else ""
+        print(f"\ndemo: stopped before the session's end{kept}", file=sys.stderr)
         return 130
     except OSError as error:
         print(f"demo: {error.filename or options.out}: {error.strerror or error}", file=sys.stderr)
@@ -172,7 +171,7 @@ def _demo(options: argparse.Namespace) -> int:
     duration = options.duration or _length(options.joystick)
     if options.out.exists():
         raise GraphError(f"{options.out} exists already; choose another --out or remove it")
-    bag = options.out / "bag"
+    bag = options.out / BAG
     profile = profile_for(options.joystick, options.profile)
     nodes = [
         graph.joystick(options.joystick, duration, LISTENERS, options.joystick_faults),

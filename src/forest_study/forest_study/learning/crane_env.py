@@ -81,7 +81,7 @@ class CraneEnv(gymnasium.Env[Numbers, Numbers]):
         self._most = most
         self._task: Task
         self._crane: DrivenCrane
-        self._steps, self._action = 0, (0.0, 0.0, 0.0)
+        self._steps, self._action = STEPS + 1, (0.0, 0.0, 0.0)  # no episode is under way
 
     def reset(
         self,
@@ -103,7 +103,10 @@ class CraneEnv(gymnasium.Env[Numbers, Numbers]):
 
         Raises:
             ValueError: the action is not three finite numbers.
+            gymnasium.error.ResetNeeded: no episode is under way.
         """
+        if self._steps > STEPS:
+            raise gymnasium.error.ResetNeeded("no episode is under way; allowed: reset")
         given = np.asarray(action, dtype=np.float64)
         if given.shape != (3,) or not np.isfinite(given).all():
             raise ValueError(f"action {action!r}; allowed: three finite numbers")

@@ -66,7 +66,7 @@ def legs(site: Site) -> tuple[Leg, ...]:
 
 
 def shortest(site: Site) -> float:
-    """Return the grip's shortest way over the legs [m]: up and down straight, across along a circle."""
+    """Return the grip's shortest way through every leg's end [m]: straight, or along a spiral."""
     way, here = 0.0, start(site)
     for leg in legs(site):
         way += _length(here, leg.goal)

@@ -4,7 +4,7 @@
 |---|---|
 | `time`, `loading`, `within`, `unloading` | s in all, of carries and ways 1 to 3, 4, 5 to 7 |
 | `up`, `across`, `down`, `grapple` | s of the parts, over all carries and ways |
-| `path_ratio` | way of the tip over the shortest way of the legs |
+| `path_ratio` | way of the tip over that of the legs; an operator who cuts corners may be under 1 |
 | `reversals` | changes of a lever's sign, of all levers |
 | `axes` | levers beyond 5 % at once, on average, while any is |
 | `energy`, `fuel` | the engine's work, kJ; the diesel oil for it, mL |

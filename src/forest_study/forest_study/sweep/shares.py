@@ -58,10 +58,11 @@ def _sobol(study: Study, values: Floats) -> dict[str, Share]:
         return {}
     first, total = [], []
     for one in by_point:
-        parts = {"f_A": one[:1], "f_B": one[1:2], "f_AB": one[2:, None]}
+        twice = np.stack([one, one], axis=1)  # of a single figure of one range scipy 1.17 makes a TypeError
+        parts = {"f_A": twice[0], "f_B": twice[1], "f_AB": twice[2:]}
         found = scipy.stats.sobol_indices(func=parts, n=study.points)
-        first.append(np.ravel(found.first_order))
-        total.append(np.ravel(found.total_order))
+        first.append(np.atleast_1d(found.first_order[0]))
+        total.append(np.atleast_1d(found.total_order[0]))
     pairs = zip(np.mean(first, axis=0).tolist(), np.mean(total, axis=0).tolist(), strict=True)
     return {name: Share(*pair) for name, pair in zip(study.ranges, pairs, strict=True)}
 

@@ -93,7 +93,7 @@ def track(
         source: what tells the controller where boom and stick are.
 
     Raises:
-        PathError: the path leaves the reach.
+        PathError: the path leaves the reach, or the speed is not above 0.
     """
     return follow(prepare(path, speed, scheme, model, laps, source), machine, suite, adapt)
 
@@ -111,6 +111,8 @@ def prepare(
     Raises:
         PathError: as `track`.
     """
+    if not 0.0 < speed < math.inf:
+        raise PathError(f"speed {speed!r}; allowed: above 0 m/s")
     settings = controller_settings.Settings(scheme=scheme, tip_speed=speed, position_source=source)
     runs = plan(path, speed, controller_settings.parameters(model, settings), laps)
     end = runs[-1].start + runs[-1].profile.duration + REST
