@@ -85,7 +85,8 @@ def test_a_joint_that_has_hopped_has_not_gone(side):
 
 
 def test_the_way_of_a_joint_is_that_of_its_low_passed_rate_and_ends_when_it_is_driven_back():
-    assert updated_motion(JointMotion(0.1, 0.05), 0.1, 0.1, 0.01).gone == pytest.approx(0.051)
+    passed = 1.0 - math.exp(-0.01 / ERROR_LAG)
+    assert updated_motion(JointMotion(0.0, 0.05), 0.1, 0.1, 0.01).gone == pytest.approx(0.05 + 0.001 * passed)
     assert updated_motion(JointMotion(-0.1, 0.0005), 0.1, -0.1, 0.01).gone == 0.0
     assert updated_motion(JointMotion(-0.1, 0.05), -0.1, -0.1, 0.01).gone == pytest.approx(-0.001)
 
