@@ -84,7 +84,7 @@ def test_what_a_counterbalance_valve_lets_down_follows_load_and_pilot_by_its_rat
 
 
 def test_bristles_that_only_slide_are_lugres():
-    """Of one elastic share, none, where both laws are one; slow enough for a damping that does not fall."""
+    """Without an elastic share both laws are one; here the damping does not fall with the speed, either."""
     rng = np.random.default_rng(4)
     for _ in range(400):
         coulomb, stiffness = rng.uniform(200.0, 2000.0), 10.0 ** rng.uniform(6.0, 8.0)
@@ -117,8 +117,18 @@ def test_before_the_spool_an_edge_passes_what_its_spring_leaves_it():
     assert throttling > 100
 
 
+def shared_through(pump, loads, edges, c):
+    """Flows at the supply's pressure that leaves the pump nothing to give."""
+
+    def taken(supply):
+        pairs = zip(loads, edges, strict=True)
+        return [flow_through(supply - p, edge, supply, max(loads), c) for p, edge in pairs]
+
+    return taken(brentq(lambda p: sum(taken(p)) - pump, max(loads), max(loads) + 1e8))
+
+
 def test_behind_the_spools_a_pump_too_small_is_shared_by_the_openings():
-    """Beside the balance of all three spools; with a stiff spring's range, exactly as the openings are."""
+    """Beside the balance of all three; with a narrow control range, exactly as the openings are."""
     rng = np.random.default_rng(6)
     for _ in range(40):
         loads, edges = rng.uniform(5e5, 2e7, 3).tolist(), (10.0 ** rng.uniform(11.0, 13.0, 3)).tolist()
@@ -126,13 +136,6 @@ def test_behind_the_spools_a_pump_too_small_is_shared_by_the_openings():
         pump = rng.uniform(0.2, 0.8) * math.sqrt(1e6) * sum(openings)
         for control_range in (6e5, 1e3):
             spring = Spring(setting, control_range, 1e9)
-            c = Compensator(AFTER, *spring, 0.01)
-
-            def shares(supply, loads=loads, edges=edges, c=c):
-                pairs = zip(loads, edges, strict=True)
-                return [flow_through(supply - p, edge, supply, max(loads), c) for p, edge in pairs]
-
-            supply = brentq(lambda p: sum(shares(p)) - pump, max(loads), max(loads) + 1e8)  # noqa: B023
-            found = shares(supply)
+            found = shared_through(pump, loads, edges, Compensator(AFTER, *spring, 0.01))
             assert found == pytest.approx(shared_flows(pump, loads, edges, spring), rel=WITHIN)
         assert found == pytest.approx([pump * a / sum(openings) for a in openings], rel=WITHIN)
