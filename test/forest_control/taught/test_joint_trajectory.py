@@ -108,6 +108,16 @@ def test_the_tip_stops_where_the_joints_turn_round():
         ),
         ([TrajectoryPoint(1.0, POSE)], "two or more points that are not all the same"),
         ([TrajectoryPoint(5.0, (POSE[0], POSE[1] + 3.0, POSE[2]))], "joint is at its limit"),
+        # The samples of these would fill the memory, and plan for ever.
+        (
+            [TrajectoryPoint(5.0, (1e300, *POSE[1:]))],
+            "some 8.*e.300 m of the tip; allowed: 1000 m, angles in rad",
+        ),
+        ([TrajectoryPoint(5.0, (-1e308, *POSE[1:])), TrajectoryPoint(6.0, (1e308, *POSE[1:]))], "some inf m"),
+        (
+            [TrajectoryPoint(0.3 * k, (1.5 * (-1) ** k, *POSE[1:])) for k in range(1, MOST)],
+            "some 2.*m of the tip",
+        ),
     ],
 )
 def test_what_the_crane_cannot_do_is_refused_before_it_moves(points, said):

@@ -31,6 +31,7 @@ NAME = "joint trajectory"
 FASTEST = 3.0  # [m/s] of the tip: as of the levers; what the crane can is planned anyway
 MOST = 10_000  # [1] points of a trajectory; more are another unit of time
 LONGEST = 3600.0  # [s] of a trajectory; a longer one has other units
+GREATEST_WAY = 1000.0  # [m] of the tip, if the joints' turns added up; a path has 200 m at most
 SPACING = 0.01  # [m] between the places that are kept, about: the spline through them is the path
 
 
@@ -116,16 +117,29 @@ def trajectory_leg(points: Sequence[TrajectoryPoint], here: Vec3, p: Parameters)
 
 
 def _sampled(points: Sequence[TrajectoryPoint], p: Parameters) -> tuple[Floats, Floats]:
-    """Return rising times [N] s, and the tip's places [N, 3] m then, some `SPACING` apart."""
+    """Return rising times [N] s, and the tip's places [N, 3] m then, some `SPACING` apart.
+
+    Raises:
+        PathError: these would be too many.
+    """
     reach = p.links.base_offset + p.links.boom + p.links.stick
+    ways = [reach * _turn(before, after) for before, after in pairwise(points)]
+    if not sum(ways) <= GREATEST_WAY:
+        raise PathError(
+            f"{NAME}: some {sum(ways):g} m of the tip; allowed: {GREATEST_WAY:g} m, angles in rad"
+        )
     times, places = [points[0].time], [tip_position(points[0].angles, p.links)]
-    for before, after in pairwise(points):
-        turn = max(abs(b - a) for a, b in zip(before.angles, after.angles, strict=True))
-        count = max(1, math.ceil(turn * reach / SPACING))
+    for (before, after), way in zip(pairwise(points), ways, strict=True):
+        count = max(1, math.ceil(way / SPACING))
         for k in range(1, count + 1):
             times.append(before.time + (after.time - before.time) * k / count)
             places.append(tip_position(_between(before, after, k / count), p.links))
     return np.array(times), np.array(places)
+
+
+def _turn(before: TrajectoryPoint, after: TrajectoryPoint) -> float:
+    """Return the greatest turn of a joint between two points [rad]."""
+    return max(abs(b - a) for a, b in zip(before.angles, after.angles, strict=True))
 
 
 def _between(before: TrajectoryPoint, after: TrajectoryPoint, u: float) -> Vec3:
