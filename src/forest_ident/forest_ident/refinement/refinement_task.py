@@ -97,6 +97,7 @@ def _tasks(machine: Machine, session: Session) -> dict[str, Task]:
     axis_channels = (f"{name}_resolver", f"{name}_transducer", *ports, f"{name}_flow")
     supplied, drained = (*axis_channels, "supply_pressure"), (*axis_channels, "case_drain")
     own, back = f"{name}.valve", f"{name}.valve.backward"
+    beside = () if axis == 0 else (AXES[3 - axis],)  # boom and stick shake each other
     return {
         # Between valve and load lies a short piece of hose, which has not been measured yet.
         "valve": Task((*law, *pump), line, VALVE_RIG, ("rig.load",)),
@@ -122,7 +123,11 @@ def _tasks(machine: Machine, session: Session) -> dict[str, Task]:
             ),
             channels=supplied,
         ),
-        "damping": Task((f"{name}.damping",), (*law, *line, *leakage, *pump, *MASSES), supplied),
+        "damping": Task(
+            free=(f"{name}.damping",),
+            carried=(*(f"{one}.damping" for one in beside), *law, *line, *leakage, *pump, *MASSES),
+            channels=supplied,
+        ),
     }
 
 
