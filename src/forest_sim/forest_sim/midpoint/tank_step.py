@@ -2,8 +2,8 @@
 
 They see it at the stage's end, foreseen from the flows before the stage. The oil behind an open port
 valve comes to that pressure. What the stage then returns is what the line gets, so that no oil is
-lost between them. The foresight is implicit, in what port valves do to the line, too: no line is too
-small for it.
+lost between them. The foresight is implicit, in what port valves do to the line, too: a small line
+stays stable.
 """
 
 from typing import NamedTuple
