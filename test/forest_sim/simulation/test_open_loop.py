@@ -251,3 +251,13 @@ def test_an_angle_beyond_a_limit_is_told_with_the_limits():
 def test_without_a_tip_a_machine_starts_where_it_can_be():
     short = replace(C180, manipulator=replace(C180.manipulator, boom_length=1.0))
     assert start_angles(short)[1] == pytest.approx(sum(joint_limits(short)[1]) / 2)
+
+
+def test_a_volume_that_runs_empty_ends_the_run_with_a_sentence(tmp_path):
+    """Without port valves nothing fills the motor that a slope turns against a shut valve."""
+    slope = replace(load_machine("c180").manipulator, platform_tilt=math.radians(25.0))
+    machine = replace(load_machine("c180"), port_valves=None, manipulator=slope)
+    (tmp_path / "v.csv").write_text("time,swing,boom,stick\n0,0,0,0\n0.5,10,5,-5\n1,0,0,0\n")
+    voltages = voltage_profiles.read_voltages(tmp_path / "v.csv")
+    with pytest.raises(RunError, match=r"c180: at \d+.* s a volume has run empty.*allowed: port_valves"):
+        whole(machine, voltages, start_angles(machine), Run(90.0, 5.0))

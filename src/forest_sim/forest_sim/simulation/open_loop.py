@@ -129,7 +129,7 @@ def blocks(
         loads: logs that its head grasps and drops.
 
     Raises:
-        RunError: step and rate do not fit.
+        RunError: step and rate do not fit, or a volume of the machine runs empty.
     """
     plant, oil = ChangingPlant(machine, disturbance), machine.oil
     temperature = math.nan if oil is None else oil.reference_temperature
@@ -146,6 +146,7 @@ def blocks(
         given, volts = commanded(voltages, run, begin, count)
         states, energies = np.zeros((count, len(STATE))), np.zeros((count, len(ENERGY)))
         simulation = advance(simulation, volts, given, plant.p, states, energies)
+        _require_numbers(machine, states, begin, run.rate)
         after = np.arange(begin + 1, end + 1) / run.rate
         block = Block(
             time=after,
@@ -162,6 +163,16 @@ def blocks(
             time = count / run.rate
             temperature = temperature_after(temperature, dissipated_energy(energies) / time, oil, time)
             plant.warm(temperature)
+
+
+def _require_numbers(machine: Machine, states: Floats, begin: int, rate: float) -> None:
+    """Raise RunError if rows of states [N, ...], the first number `begin` + 1, are none from some row on."""
+    empty = np.flatnonzero(np.isnan(states).any(axis=1))
+    if len(empty):
+        raise RunError(
+            f"{machine.name}: at {(begin + 1 + empty[0]) / rate:g} s a volume has run empty, which the oil's"
+            f" law does not hold for; allowed: port_valves that let oil in"
+        )
 
 
 def _compile(advance: Record, simulation: Simulation, p: PlantParameters, step: float) -> None:
