@@ -8,7 +8,7 @@ from forest_description.machine import load_machine, sources
 
 @pytest.mark.parametrize("base", shipped_machines())
 def test_every_shipped_machine_can_be_drawn_from(base):
-    for seed in range(5):
+    for seed in range(20):
         assert load_machine(f"unknown:{seed}:{base}").pump == load_machine(base).pump
 
 

@@ -3,7 +3,8 @@
 What identification is there to find is drawn within 40 % of what the base (c180_hoses) says, each number
 on its own, evenly; a valve that the base tells once gets two unlike directions. What a person reads
 off a gauge, a plate or a drawing stays: pump, geometry, masses, sensors. An overlap stays below the
-voltages at which a valve's curve was measured.
+voltages at which a valve's curve was measured. A spool that lets more oil pass is pushed harder by it: its
+spring is as much stiffer.
 
 Equal seeds (0, if none is given) give equal machines, everywhere: a record, a fit and a run along a
 path may each name ``unknown:7`` and mean one crane.
@@ -32,7 +33,7 @@ DRAWN = (
 )
 BY_DIRECTION = DRAWN[:2]
 UNTOLD = (".holding_", ".compensator.")  # valves whose numbers are not identified
-OVERLAP, MEASURED = "deadband_voltage", "curve.voltages"
+OVERLAP, MEASURED, EDGE, SPRING = "deadband_voltage", "curve.voltages", "minimum_resistance", "centring_force"
 BELOW = 0.95  # of the lowest voltage at which a valve was measured, where an overlap would reach it
 
 
@@ -92,7 +93,13 @@ def _drawn(seed: int, numbers: Mapping[str, Number]) -> dict[str, Number]:
         share = np.random.default_rng([seed, zlib.crc32(key.encode())]).uniform(-WITHIN, WITHIN)
         found[key] = number._replace(value=number.value * (1.0 + float(share)))
     lowest = min((n.value for key, n in numbers.items() if key.endswith(MEASURED)), default=math.inf)
-    return {
+    widest = max((n.value / found[key].value for key, n in _drawn_keys(numbers) if EDGE in key), default=1.0)
+    springs = {
+        key: n._replace(value=n.value * math.sqrt(max(1.0, widest)))
+        for key, n in numbers.items()
+        if key.endswith(SPRING)
+    }
+    return springs | {
         key: n._replace(value=BELOW * lowest) if key.endswith(OVERLAP) and n.value >= lowest else n
         for key, n in found.items()
     }
