@@ -4,7 +4,7 @@ import pytest
 
 from forest_study import cli
 from forest_study.diagnosis.detection_figures import TOLD
-from forest_study.diagnosis.diagnosis_report import per_hour, report, share, table
+from forest_study.diagnosis.diagnosis_report import per_hour, report, rows_of, share, table
 
 parquet = pytest.importorskip("pyarrow.parquet")
 import pyarrow
@@ -51,6 +51,18 @@ def test_hours_before_a_fault_count_as_healthy_ones():
     assert (pump["runs"], pump["time_to_detect_s"]) == (2, 20.0)
     assert pump["detected"]["value"] == 0.5
     assert "| worn pump | 0.1 of its flow | 2 | 50 % | 20 |" in table(found)
+
+
+@pytest.mark.parametrize(
+    ("common", "case"), [("case: worn pump, mild", "worn pump, mild"), ("minutes: 9", "healthy")]
+)
+def test_a_case_that_all_runs_have_in_common_is_the_studys(tmp_path, common, case):
+    (tmp_path / "sweep").mkdir()
+    runs = [{name: value for name, value in row(case).items() if name != "case"}]
+    study = {"study": f"kind: diagnosis\nwith:\n  {common}\n"}
+    whole = pyarrow.Table.from_pylist(runs).replace_schema_metadata(study)
+    parquet.write_table(whole, tmp_path / "sweep" / "runs.parquet")
+    assert [one["case"] for one in rows_of([tmp_path / "sweep"])] == [case]
 
 
 def test_sweeps_become_a_table_and_a_picture(tmp_path, capsys):

@@ -3,14 +3,18 @@
 import math
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 import scipy  # its `stats` takes a second to load: only where it is used
+import yaml
 
 from forest_study.diagnosis.detection_figures import TOLD
 from forest_study.diagnosis.faults import CASES, FAULTS, HEALTH, SEVERITIES
 from forest_study.results import StudyError
+
+if TYPE_CHECKING:
+    from pyarrow import Table
 
 Row = Mapping[str, Any]
 LEVEL = 0.95
@@ -40,14 +44,21 @@ def rows_of(directories: Sequence[Path]) -> list[Row]:
             raise StudyError(
                 f"{file} is not there; allowed: the --out of sweeps of kind diagnosis that have ended"
             )
-        rows = parquet.read_table(file).to_pylist()
+        whole = parquet.read_table(file)
+        rows = whole.to_pylist()
         if "healthy_h" not in rows[0]:
             raise StudyError(f"{directory} is a sweep of another kind; allowed: diagnosis")
         failed = next((row["error"] for row in rows if row["error"]), None)
         if failed:
             raise StudyError(f"{directory}: a run has failed: {failed}")
-        found += rows
+        found += rows if "case" in rows[0] else [{"case": _common_case(whole), **row} for row in rows]
     return found
+
+
+def _common_case(whole: "Table") -> str:
+    """Return the case that all runs of a study have in common."""
+    text: str = whole.schema.metadata[b"study"].decode()
+    return str(yaml.safe_load(text).get("with", {}).get("case", HEALTH))
 
 
 def per_hour(count: float, hours: float) -> Rate:
