@@ -46,3 +46,10 @@ def test_whatever_is_given_what_passes_fits_and_all_else_is_refused_in_a_sentenc
     assert refusal.startswith("parameter 'x' is ")
     assert "; allowed: " in refusal
     assert not fits(row, tuple(value) if isinstance(value, list) else value)
+
+
+@pytest.mark.parametrize(
+    ("default", "allowed"), [(("",), "a list of texts"), ((0.0, 1.0), "a list of finite numbers")]
+)
+def test_a_list_says_whether_it_takes_texts_or_numbers(default, allowed):
+    assert Parameter("topics", default=default).allowed == allowed

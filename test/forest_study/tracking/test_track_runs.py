@@ -1,6 +1,7 @@
 """Many runs along a path: the same figures as one after the other in Python, drawn machines, what is told."""
 
 import argparse
+import dataclasses
 import json
 import math
 from typing import NamedTuple
@@ -108,6 +109,20 @@ def test_quantiles_are_those_of_the_runs(course):
 
 def test_no_ranges_draw_the_machine_itself():
     assert model_mismatch.applied(C180, model_mismatch.draw(5, NONE)) == plant_parameters(C180)
+
+
+def test_of_a_hose_known_by_its_bore_the_wall_is_drawn():
+    """The oil in it is drawn with all other oil; what is rigid stays so."""
+    forwarder = load_machine("forwarder")
+    off = model_mismatch.draw(3, NONE._replace(stiffness=0.2))
+    drawn = model_mismatch.drawn(forwarder, off)
+    for axis, factor in enumerate(off.hoses):
+        was, now = forwarder.hose_of(axis), drawn.hose_of(axis)
+        assert factor != 1.0
+        assert now == dataclasses.replace(was, wall_modulus=factor * was.wall_modulus)
+    rigid = dataclasses.replace(forwarder.hose, wall_modulus=None)
+    hoses = model_mismatch.drawn(dataclasses.replace(forwarder, hose=rigid), off)
+    assert hoses.hose_of(1) == rigid
 
 
 def test_draws_stay_in_their_ranges_and_reach_them():

@@ -21,7 +21,7 @@ from forest_description.derived.limits import joint_limits
 from forest_description.geometry.linkage import lever_arm
 from forest_description.machine import Machine
 
-DAMPING = 0.15  # [1] zeta: from 0.2 on the spool's lag makes stiffer modes of the arm swing; chosen
+DAMPING = 0.15  # [1] zeta; twice as much rocks the forwarder's sweep more; chosen
 
 
 def load_feedback(machine: Machine, axis: int, stiffness: float) -> float:
@@ -45,13 +45,25 @@ def moved_mass(machine: Machine, axis: int) -> float:
 
 
 def _inertia(body: PlanarBody, x: float, angle: float) -> float:
-    """Return the inertia of a body about a joint that is x [m] before its own, turned by [rad]."""
+    """Return the inertia [kg m^2] of a body about a joint.
+
+    Args:
+        body: turned by an angle about its own joint.
+        x: of that joint, along the link before it [m].
+        angle: [rad].
+    """
     c, s = math.cos(angle), math.sin(angle)
     along, across = x + c * body.x - s * body.y, s * body.x + c * body.y
     return body.zz + body.mass * (along**2 + across**2)
 
 
 def _about_swing(body: PlanarBody, x: float, elevation: float) -> float:
-    """Return the inertia of a body about the swing's axis, its joint x [m] away, as a slender one."""
+    """Return the inertia [kg m^2] of a slender body about the swing's axis.
+
+    Args:
+        body: boom or stick.
+        x: distance of its joint from the axis [m].
+        elevation: of its link [rad].
+    """
     radius = x + body.x * math.cos(elevation) - body.y * math.sin(elevation)
     return body.mass * radius**2 + body.zz * math.cos(elevation) ** 2

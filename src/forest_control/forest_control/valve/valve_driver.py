@@ -69,8 +69,8 @@ class State(NamedTuple):
     estimates: ValveEstimates = (NO_ESTIMATE, NO_ESTIMATE, NO_ESTIMATE)
     ahead: float = 0.0  # [s] for how long a voltage may stay in force
     borne: float = 0.0  # swing's load, low-passed more slowly [N m]
-    rocking: Vec3 = (0.0, 0.0, 0.0)  # load less its low-passed one [N m, N, N]
     place: float = math.inf  # swing's position behind the same low-pass [rad]; infinite: not measured
+    rocking: Vec3 = (0.0, 0.0, 0.0)  # load less its low-passed one [N m, N, N]
 
 
 class Pressures(NamedTuple):

@@ -7,19 +7,14 @@ from pathlib import Path
 from forest_description.machine import load_machine
 from forest_ident.measurements.session import SessionError
 from forest_ident.validation import unmodelled_effects
-from forest_msgs_py.runtime.command_line import Subcommands, subcommand, whole
+from forest_msgs_py.runtime.command_line import Subcommands, add_machine_option, subcommand, whole
 
 
 def add_parser(verbs: Subcommands) -> None:
     """Name the verb's flags."""
     text = "find the causes of a missed return pressure and of an unmodelled pendulum, on simulated machines"
     parser = subcommand(verbs, "questions", text, run)
-    parser.add_argument(
-        "--machine",
-        default="c180_hoses",
-        metavar="NAME|FILE",
-        help="machine, shipped or a file (default: %(default)s)",
-    )
+    add_machine_option(parser, "c180_hoses")
     parser.add_argument(
         "--seed",
         type=whole(0),

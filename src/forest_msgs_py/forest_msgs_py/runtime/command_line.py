@@ -48,6 +48,12 @@ def whole(low: int, high: int = LARGEST) -> Callable[[str], int]:
     return read
 
 
+def add_machine_option(parser: argparse.ArgumentParser, default: str = "c180") -> None:
+    """Add `--machine`: a shipped name, or a machine file."""
+    text = "machine, shipped or a file (default: %(default)s)"
+    parser.add_argument("--machine", default=default, metavar="NAME|FILE", help=text)
+
+
 def subcommand(
     commands: Subcommands,
     name: str,

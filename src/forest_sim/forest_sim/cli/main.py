@@ -13,7 +13,14 @@ from forest_description.config.parameter import MachineError
 from forest_description.config.source_tree import shipped_machines
 from forest_description.types import AXES
 from forest_msgs_py.runtime import command_line
-from forest_msgs_py.runtime.command_line import Command, Subcommands, number, subcommand, whole
+from forest_msgs_py.runtime.command_line import (
+    Command,
+    Subcommands,
+    add_machine_option,
+    number,
+    subcommand,
+    whole,
+)
 from forest_sim.cli.options import (
     add_loads_option,
     add_pose_options,
@@ -74,12 +81,7 @@ def _command(
     parser = subcommand(commands, name, text, function, EPILOGUE)
     parser.set_defaults(parser=parser)
     if name not in ("check", "compare"):
-        parser.add_argument(
-            "--machine",
-            default="c180",
-            metavar="NAME|FILE",
-            help="machine, shipped or a file (default: %(default)s)",
-        )
+        add_machine_option(parser)
     celsius = number(-60.0, 200.0, "degC")
     parser.add_argument(
         "--temperature", type=celsius, metavar="C", help="of all oil [degC]; default: the file's"

@@ -7,7 +7,7 @@ from typing import Any
 
 from forest_control.valve.valve_driver import FILLING
 from forest_description.machine import load_machine
-from forest_msgs_py.runtime.command_line import number, whole
+from forest_msgs_py.runtime.command_line import add_machine_option, number, whole
 from forest_study.ablation import effects
 from forest_study.ablation.constants import NODES, ROOMS, Changes, numbers, scaled
 from forest_study.ablation.scenes import SCENES
@@ -32,12 +32,7 @@ BYSTANDER, CHANCES = "valve.valve_driver.FILLING", 4  # what is changed by milli
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Give the verb its arguments."""
     add = parser.add_argument
-    add(
-        "--machine",
-        default="c180",
-        metavar="NAME|FILE",
-        help="machine, shipped or a file (default: %(default)s)",
-    )
+    add_machine_option(parser)
     add(
         "--constants",
         nargs="+",

@@ -9,7 +9,7 @@ from forest_control.config.controller_settings import Settings
 from forest_description.derived.limits import pose_at, start_tip
 from forest_description.machine import load_machine
 from forest_description.types import AXES
-from forest_msgs_py.runtime.command_line import number
+from forest_msgs_py.runtime.command_line import add_machine_option, number
 from forest_study.ablation.bare_loop import Case, seen
 from forest_study.results import StudyError, new_directory, require_llvm, write_json
 from forest_study.stability.describing_function import limit_cycle
@@ -20,12 +20,7 @@ HEAD = "| joint | overlap, V | believed | told: Hz | mrad | simulated: Hz | mrad
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Give the verb its arguments."""
-    parser.add_argument(
-        "--machine",
-        default="c180",
-        metavar="NAME|FILE",
-        help="machine, shipped or a file (default: %(default)s)",
-    )
+    add_machine_option(parser)
     parser.add_argument(
         "--overlap",
         nargs="+",

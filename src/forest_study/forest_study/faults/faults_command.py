@@ -4,7 +4,7 @@ import argparse
 from typing import Any
 
 from forest_description.machine import Machine, load_machine
-from forest_msgs_py.runtime.command_line import whole
+from forest_msgs_py.runtime.command_line import add_machine_option, whole
 from forest_study.faults.catalogue import FAULTS
 from forest_study.faults.fault import State
 from forest_study.faults.fault_report import broken, page, worst
@@ -38,7 +38,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="N",
         help="seeds of each cell (default: %(default)s)",
     )
-    add("--machine", default="c180", help="machine, shipped or a file (default: %(default)s)")
+    add_machine_option(parser)
 
 
 def run(options: argparse.Namespace) -> int:

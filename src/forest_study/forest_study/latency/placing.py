@@ -28,7 +28,7 @@ from forest_description.derived.limits import pose_at, start_tip
 from forest_description.geometry.kinematics import tip_position
 from forest_description.machine import Machine, load_machine
 from forest_description.types import Floats, Vec3
-from forest_msgs_py.runtime.command_line import whole
+from forest_msgs_py.runtime.command_line import add_machine_option, whole
 from forest_msgs_py.types import PERIOD
 from forest_sim.equations.plant_parameters import plant_parameters
 from forest_study.closed_loop.closed_loop import ClosedLoop, Links, Operator
@@ -160,12 +160,7 @@ def _reached(place: Floats, machine: Machine) -> bool:
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the command's options."""
     add = parser.add_argument
-    add(
-        "--machine",
-        default="c180",
-        metavar="NAME|FILE",
-        help="machine, shipped or a file (default: %(default)s)",
-    )
+    add_machine_option(parser)
     add(
         "--targets", type=whole(1, 1000), default=20, metavar="N", help="drawn targets (default: %(default)s)"
     )

@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from forest_description.machine import load_machine
-from forest_msgs_py.runtime.command_line import number, whole
+from forest_msgs_py.runtime.command_line import add_machine_option, number, whole
 from forest_study.log_work import trial_measures
 from forest_study.log_work.crane import MODES
 from forest_study.logs import logs_report, recorded_logs, tables
@@ -19,12 +19,7 @@ from forest_study.sweep.sweep_command import run_the_rest
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the command's options."""
     add = parser.add_argument
-    add(
-        "--machine",
-        default="forwarder",
-        metavar="NAME|FILE",
-        help="machine, shipped or a file (default: %(default)s)",
-    )
+    add_machine_option(parser, "forwarder")
     text = "modes of the levers; the first is what the others are compared with (default: joint tip assisted)"
     add("--mode", nargs="+", choices=MODES, default=list(MODES[:3]), help=text)
     text = "operators: novice, expert, or files (default: both); live: a person, from --bag"

@@ -13,7 +13,7 @@ from forest_control.config.profile_file import with_gains_of
 from forest_description.derived.limits import start_tip
 from forest_description.machine import Machine, load_machine
 from forest_description.types import AXES, Vec3
-from forest_msgs_py.runtime.command_line import number
+from forest_msgs_py.runtime.command_line import add_machine_option, number
 from forest_sim.simulation.open_loop import start_angles
 from forest_study.results import StudyError, new_directory, write_json
 from forest_study.stability.margins import Margins, margins
@@ -34,12 +34,7 @@ class Result(NamedTuple):
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Give the verb its arguments."""
-    parser.add_argument(
-        "--machine",
-        default="c180",
-        metavar="NAME|FILE",
-        help="machine, shipped or a file (default: %(default)s)",
-    )
+    add_machine_option(parser)
     parser.add_argument(
         "--tip",
         nargs=3,

@@ -20,7 +20,7 @@ from forest_description.derived.bodies import with_log
 from forest_description.derived.limits import pose_at, start_tip
 from forest_description.machine import Machine, load_machine
 from forest_description.types import Floats, Vec3
-from forest_msgs_py.runtime.command_line import number
+from forest_msgs_py.runtime.command_line import add_machine_option, number
 from forest_msgs_py.types import PERIOD
 from forest_sim.equations.plant_parameters import plant_parameters
 from forest_study.closed_loop import compiled_loop
@@ -53,12 +53,7 @@ class Run(NamedTuple):
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Give the verb its arguments."""
     add = parser.add_argument
-    add(
-        "--machine",
-        default="loader",
-        metavar="NAME|FILE",
-        help="machine, shipped or a file (default: %(default)s)",
-    )
+    add_machine_option(parser, "loader")
     add(
         "--speed",
         type=number(0.05, 3.0, "m/s"),

@@ -6,7 +6,7 @@ import sys
 import time
 from typing import Any
 
-from forest_msgs_py.runtime.command_line import StatusLine, whole
+from forest_msgs_py.runtime.command_line import StatusLine, add_machine_option, whole
 from forest_study.matrix.matrix_rows import matrix_rows
 from forest_study.results import require_llvm, write_json
 from forest_study.tune import tune_report
@@ -23,12 +23,7 @@ NOT_DRIVEN = ("load",)  # rows without a path
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the command's options."""
     add, rows = parser.add_argument, [name for name in matrix_rows() if name not in NOT_DRIVEN]
-    add(
-        "--machine",
-        default="c180",
-        metavar="NAME|FILE",
-        help="machine, shipped or a file (default: %(default)s)",
-    )
+    add_machine_option(parser)
     text = f"rows of the matrix whose plants are driven: {', '.join(rows)} (default: plain)"
     add("--row", nargs="+", choices=rows, default=["plain"], metavar="NAME", help=text)
     text = "plants of the search, 2 at least (default: %(default)s)"
