@@ -10,6 +10,7 @@ from properties import holds
 
 from forest_control.operator.joystick_watch import (
     NO_HEARTBEAT,
+    NO_STAMP,
     REST,
     Joystick,
     Sample,
@@ -272,7 +273,7 @@ class Watched(RuleBasedStateMachine):
         if not good:
             self.held = self.alive = False
             self.fresh = self.hand.now
-        elif stamp == self.stamp or (stamp < self.stamp and self.alive):
+        elif stamp != NO_STAMP and (stamp == self.stamp or (stamp < self.stamp and self.alive)):
             self.held = self.held and held
         else:
             self.held, self.alive, self.levers = held, True, levers

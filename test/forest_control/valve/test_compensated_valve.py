@@ -19,6 +19,14 @@ from forest_description.machine import load_machine
 
 FORWARDER = load_machine("forwarder")
 P = parameters(FORWARDER, Settings())
+UNHELD = parameters(
+    replace(
+        FORWARDER,
+        boom=replace(FORWARDER.boom, holding_1=None),
+        stick=replace(FORWARDER.stick, holding_1=None, holding_2=None),
+    ),
+    Settings(),
+)
 FULL = OpeningRatio((1.0, 1.0, 1.0), (1.0, 1.0, 1.0))
 
 
@@ -91,7 +99,7 @@ def test_a_gain_is_learnt_from_the_inlets_flow_whatever_the_load(direction, load
         pressures = Pressures((one * P.supply_pressure,) * 3, (two * P.supply_pressure,) * 3, supply)
         motion = Motion(at, pressures.port_1, pressures.port_2)
         commands = tuple(_command(volts, axis) for axis in P.axes)
-        state, _ = step(state, commands, pressures, motion, P, 0.005)
+        state, _ = step(state, commands, pressures, motion, UNHELD, 0.005)
     for one in state.estimates:
         way = one.forward if direction > 0.0 else one.backward
         assert gain(way) == pytest.approx(0.7, abs=0.07)

@@ -7,7 +7,7 @@ import pytest
 from forest_control.valve import valve_driver, valve_driver_parameters
 from forest_control.valve.valve_driver import REST, STILL, UNSEEN
 from forest_control.valve.valve_driver_parameters import Settings
-from forest_control.valve.valve_inverse import required_opening, spool_voltage
+from forest_control.valve.valve_inverse import OilState, required_opening, spool_voltage
 from forest_description.hydraulics.valve_characteristic import opening_at, stroke
 from forest_description.machine import load_machine
 
@@ -72,7 +72,7 @@ def test_while_the_oil_is_pressed_the_edges_move_the_springs_ends_as_commanded(i
     p_2 = (axis.displacement_1 * p_1 - load) / axis.displacement_2
     mean = 0.5 * (p_1 + p_2 * axis.displacement_2 / axis.displacement_1)
     fed = share * axis.valve.forward.rated_voltage
-    volts = spool_voltage(fed, load, mean, SUPPLY, TANK, position, axis, axis.valve, P)
+    volts = spool_voltage(fed, OilState(load, 0.0, mean, SUPPLY, TANK), position, axis, axis.valve, P)
     way = axis.valve.forward if share > 0.0 else axis.valve.backward
     one, two = flows(i, share, opening_at(stroke(abs(volts), way), axis.valve.curve), p_1, p_2)
     c_1 = axis.oil_1.fixed + axis.oil_1.growing * position
@@ -109,5 +109,6 @@ def test_the_tank_lines_pressure_is_that_of_all_the_oil_that_returns():
     _, volts = valve_driver.step(REST, commands, UNSEEN, STILL, p, 0.0)
     for i, given in enumerate(volts):
         axis = p.axes[i]
-        wanted = spool_voltage(commands[i], 0.0, -1.0, P.idle_pressure, tank, math.nan, axis, axis.valve, p)
+        oil = OilState(0.0, 0.0, -1.0, P.idle_pressure, tank)
+        wanted = spool_voltage(commands[i], oil, math.nan, axis, axis.valve, p)
         assert given == pytest.approx(wanted)  # dither begins at a node

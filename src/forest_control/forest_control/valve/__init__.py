@@ -3,6 +3,8 @@
 - `command_gate`: Whether a command reaches the valves.
 - `valve_driver`: The step: pressures, adaptation, hold, inverse; dither against hysteresis.
 - `valve_inverse`: From an actuator speed to a voltage: deadband, valve curve, pressure drop.
+- `inlet_oil`: Behind a compensator: oil that must be pressed before the actuator moves.
+- `load_feedback`: Behind a compensator: a valve that gives way to a load that rocks.
 - `spool_model`: The spool's lag and slew limit, as the driver knows them.
 - `valve_hold`: When a small command opens a valve.
 - `valve_adaptation`: Deadband and gain learnt by recursive least squares.

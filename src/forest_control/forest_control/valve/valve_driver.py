@@ -37,7 +37,7 @@ from forest_control.valve.valve_driver_parameters import (
 )
 from forest_control.valve.valve_flow import AxisMeasurement
 from forest_control.valve.valve_hold import SHUT, HoldState, held_command
-from forest_control.valve.valve_inverse import spool_voltage
+from forest_control.valve.valve_inverse import OilState, spool_voltage
 from forest_description.hydraulics.valve_characteristic import ValveLaw
 from forest_description.types import Vec3
 
@@ -191,7 +191,8 @@ def _axis(
         wanted = 0.0
         if fed != 0.0:
             along = math.copysign(fed, hold.way)
-            wanted = spool_voltage(along, state.loads[i], mean, supply, tank, position, axis, law, p)
+            oil = OilState(state.loads[i], state.rocking[i], mean, supply, tank)
+            wanted = spool_voltage(along, oil, position, axis, law, p)
         if fed * hold.way < 0.0:
             wanted = _within_the_overlap(wanted, law)
         saturated = not low < wanted < high

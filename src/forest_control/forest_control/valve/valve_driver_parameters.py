@@ -7,6 +7,7 @@ cylinder; motor.
 import math
 from typing import Annotated, NamedTuple
 
+from forest_control.valve.inlet_oil import FreeAir, Holding, free_air, holding
 from forest_control.valve.load_feedback import load_feedback
 from forest_control.valve.spool_model import SpoolLaw, after
 from forest_control.valve.valve_adaptation import AdaptationParameters
@@ -43,6 +44,9 @@ class AxisDriver(NamedTuple):
     oil_1: Yielding = Yielding()
     oil_2: Yielding = Yielding()
     middle: float = 0.0  # [m; rad] position that is assumed while none is measured
+    air: FreeAir = FreeAir()
+    holding_1: Holding = Holding()
+    holding_2: Holding = Holding()
     load_feedback: float = 0.0  # [m/s per N; rad/s per N m] speed that a load above its mean takes off
 
 
@@ -178,6 +182,9 @@ def _axis_driver(machine: Machine, axis: int, speed: float, beyond_valve: bool, 
         oil_1=_oil(machine, axis, 1),
         oil_2=_oil(machine, axis, 2),
         middle=_middle(machine, axis),
+        air=free_air(machine, axis),
+        holding_1=holding(machine.drives[axis].holding_1),
+        holding_2=holding(machine.drives[axis].holding_2),
         load_feedback=_load_feedback(machine, axis) if driver.metering_drop < math.inf else 0.0,
     )
 

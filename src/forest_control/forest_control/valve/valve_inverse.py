@@ -4,42 +4,47 @@ Symbols and units: `valve_driver`.
 """
 
 import math
+from typing import NamedTuple
 
+from forest_control.valve.inlet_oil import lacking_oil, shut_share
 from forest_control.valve.valve_driver_parameters import AxisDriver, Parameters
 from forest_description.hydraulics.valve_characteristic import ValveLaw, voltage_for_opening
 
 LEAST_PART = 0.1  # [1] of a port's usual root of the pressure drop, taken to remain; chosen
+PRESSING = 0.1  # [s] in which an empty port's air is pressed; chosen
+
+
+class OilState(NamedTuple):
+    """Pressures of an axis, as the driver knows them [Pa] but for the loads [N; N m]."""
+
+    load: float  # low-passed
+    rocking: float  # load now, less that
+    mean: float  # of both ports, see `_filling_factor`; negative: not known
+    supply: float
+    tank: float  # of the tank line
 
 
 def spool_voltage(
-    fed: float,
-    load: float,
-    mean: float,
-    supply: float,
-    tank: float,
-    position: float,
-    axis: AxisDriver,
-    law: ValveLaw,
-    p: Parameters,
+    fed: float, oil: OilState, position: float, axis: AxisDriver, law: ValveLaw, p: Parameters
 ) -> float:
     """Return the voltage [V] for a command [V] of the ideal valve; beyond the rated one, if it does not do.
 
     Args:
         fed: command, with what leaks.
-        load: low-passed [N; N m].
-        mean: of both ports' pressures [Pa], see `_filling_factor`; negative: not known.
-        supply: pressure [Pa].
-        tank: pressure of the tank line [Pa].
+        oil: what is measured of the axis.
         position: of the actuator [m; rad]; NaN: not known.
         axis: what is known of the actuator.
         law: the valve, as known by now.
         p: what is known of the machine.
     """
     speed = axis.rated_speed * fed / axis.valve.forward.rated_voltage
-    opening = required_opening(speed, load, supply, tank, axis, p)
-    if mean >= 0.0 and axis.metering_drop == math.inf:
-        x = position if math.isfinite(position) else axis.middle
-        opening *= _filling_factor(speed > 0.0, load, mean, supply, tank, x, axis)
+    x, fills = position if math.isfinite(position) else axis.middle, oil.mean >= 0.0
+    if axis.metering_drop < math.inf:
+        taken = _with_pressing(speed, oil, x, axis) if fills else speed
+        return voltage_for_opening(required_opening(taken, oil.load, oil.supply, oil.tank, axis, p), law)
+    opening = required_opening(speed, oil.load, oil.supply, oil.tank, axis, p)
+    if fills:
+        opening *= _filling_factor(speed > 0.0, oil.load, oil.mean, oil.supply, oil.tank, x, axis)
     return voltage_for_opening(opening, law)
 
 
@@ -63,6 +68,25 @@ def required_opening(
     drive = max(p.minimum_drop * inlet * p.supply_pressure, nominal - opposing - beyond)
     orifices = way.resistance_1 * axis.displacement_1**3 + way.resistance_2 * axis.displacement_2**3
     return max(-1.0, min(1.0, speed * math.sqrt(orifices / drive)))
+
+
+def _with_pressing(speed: float, oil: OilState, x: float, axis: AxisDriver) -> float:
+    """Return the speed [m/s; rad/s] whose flow moves an actuator at a speed, and presses its oil.
+
+    See `inlet_oil`. Air counts at the higher of inlet and mean: an actuator that brakes empties its
+    inlet, and is not fed.
+    """
+    a_1, a_2 = axis.displacement_1, axis.displacement_2
+    half = 0.5 * (oil.load + oil.rocking) / a_1
+    port_1, port_2 = oil.mean + half, (oil.mean - half) * a_1 / a_2
+    c_1 = axis.oil_1.fixed + axis.oil_1.growing * x
+    c_2 = axis.oil_2.fixed + axis.oil_2.growing * x
+    spring_1, spring_2 = a_1 * a_1 / c_1, a_2 * a_2 / c_2
+    if speed > 0.0:
+        trapped = spring_2 / spring_1 * shut_share(port_1, port_2, axis.holding_2)
+        return speed * (1.0 + trapped) + c_1 * lacking_oil(max(port_1, oil.mean), axis.air) / (a_1 * PRESSING)
+    trapped = spring_1 / spring_2 * shut_share(port_2, port_1, axis.holding_1)
+    return speed * (1.0 + trapped) - c_2 * lacking_oil(max(port_2, oil.mean), axis.air) / (a_2 * PRESSING)
 
 
 def _filling_factor(
