@@ -11,7 +11,7 @@ from scipy.optimize import brentq
 from forest_description.hydraulics.oil import EntrainedAir
 from forest_description.machine import load_machine
 from forest_sim.hydraulics.oil_law import density, enthalpy, held_above_vapour, is_near, oil_law
-from forest_sim.hydraulics.oil_volume import OilVolume, content, settled_pressure
+from forest_sim.hydraulics.oil_volume import OilVolume, content, filled_share, settled_pressure
 
 OIL = load_machine("c180").oil
 LAW, AIRLESS = oil_law(OIL), oil_law(dataclasses.replace(OIL, air=None))
@@ -74,6 +74,36 @@ def test_the_pressure_of_a_content_is_found_from_afar(near):
         assert content(settled_pressure(near, held, 1.6, VOLUME), 1.6, VOLUME).oil == pytest.approx(
             held, rel=1e-13
         )
+
+
+@pytest.mark.parametrize("owed", [1e-9, 1e-5, 0.01, 0.1])
+@pytest.mark.parametrize("near", [-1e5, 0.0, 1e7])
+def test_a_volume_that_owes_oil_has_a_pressure_a_few_pascals_below_the_vapours(owed, near):
+    """What ran on out of an emptied volume comes back into it: none is made, and no vacuum is below."""
+    space = content(0.0, 1.6, VOLUME).oil
+    pressure = settled_pressure(near, -owed * space, 1.6, VOLUME)
+    assert content(pressure, 1.6, VOLUME).oil == pytest.approx(-owed * space, rel=1e-9)
+    assert -0.06 * VAPOUR < pressure + TANK - VAPOUR < 0.0
+    assert math.isfinite(enthalpy(pressure, LAW))
+
+
+def test_the_law_goes_through_the_vapours_pressure_without_a_jump():
+    above, at = density(VAPOUR - TANK + 1e-9, LAW), density(VAPOUR - TANK, LAW)
+    assert above.ratio == pytest.approx(0.0, abs=1e-11)
+    assert at.ratio == 0.0
+    assert at.slope == pytest.approx(10.0 * above.slope, rel=1e-6)
+
+
+def test_a_motor_takes_what_oil_is_in_the_room_that_it_opens():
+    """Half of the room beside the vapour's pressure, all of it from 10 kPa of absolute pressure on."""
+    rotor = OilVolume(1, 2e-3, 0.0, 0.0, 0.0, 0.0, LAW)
+    half = brentq(lambda p: (1.0 + SHARE) / room_by_hand(p) - 0.475, VAPOUR - TANK + 1e-3, 0.0)
+    assert filled_share(1.0, half, 1e7, rotor) == pytest.approx(0.5, rel=1e-6)
+    assert filled_share(-1.0, 1e7, half, rotor) == pytest.approx(0.5, rel=1e-6)
+    assert filled_share(-1.0, half, 1e7, rotor) == 1.0
+    assert filled_share(1.0, 1.1e4 - TANK, 1e7, rotor) == 1.0
+    assert filled_share(1.0, -TANK, 1e7, rotor) == 0.0
+    assert filled_share(1.0, half, 1e7, VOLUME) == 1.0  # a piston takes no oil from its chamber
 
 
 def test_a_chamber_pulled_open_fills_with_its_bubbles():

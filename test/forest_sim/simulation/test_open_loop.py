@@ -23,6 +23,7 @@ from forest_sim.simulation.energy_account import (
 from forest_sim.simulation.open_loop import (
     Run,
     RunError,
+    _require_numbers,
     blocks,
     require_within_limits,
     start_angles,
@@ -253,11 +254,19 @@ def test_without_a_tip_a_machine_starts_where_it_can_be():
     assert start_angles(short)[1] == pytest.approx(sum(joint_limits(short)[1]) / 2)
 
 
-def test_a_volume_that_runs_empty_ends_the_run_with_a_sentence(tmp_path):
+def test_states_that_are_no_numbers_end_a_run_with_a_sentence():
+    states = np.zeros((5, 3))
+    states[3, 1] = math.nan
+    with pytest.raises(RunError, match=r"c180: at 0.07 s a state is no number any more; allowed: a step of"):
+        _require_numbers(load_machine("c180"), states, 3, 100.0)
+
+
+def test_a_volume_that_runs_empty_leaves_a_run_its_numbers(tmp_path):
     """Without port valves nothing fills the motor that a slope turns against a shut valve."""
     slope = replace(load_machine("c180").manipulator, platform_tilt=math.radians(25.0))
     machine = replace(load_machine("c180"), port_valves=None, manipulator=slope)
     (tmp_path / "v.csv").write_text("time,swing,boom,stick\n0,0,0,0\n0.5,10,5,-5\n1,0,0,0\n")
     voltages = voltage_profiles.read_voltages(tmp_path / "v.csv")
-    with pytest.raises(RunError, match=r"c180: at \d+.* s a volume has run empty.*allowed: port_valves"):
-        whole(machine, voltages, start_angles(machine), Run(90.0, 5.0))
+    run = whole(machine, voltages, start_angles(machine), Run(90.0, 5.0))
+    air, inlet = machine.oil.air, run.states[:, STATE.index("swing_pressure_2")]
+    assert 0.0 < inlet.min() + air.tank_pressure < 10.0 * air.vapour_pressure

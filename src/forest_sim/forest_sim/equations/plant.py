@@ -27,6 +27,7 @@ from forest_sim.equations.plant_parameters import Axis, PlantParameters
 from forest_sim.equations.valve_ports import Ports
 from forest_sim.hydraulics.actuator import actuator_force, inlet_flow, outlet_flow
 from forest_sim.hydraulics.load_holding import restriction
+from forest_sim.hydraulics.oil_volume import filled_share
 from forest_sim.hydraulics.port import Port, edge_flows, is_shut, port_pressure
 from forest_sim.hydraulics.pump_drive import UNDRIVEN, PumpState, engine_torque, stroke_rate
 from forest_sim.hydraulics.side import Side, side_rates
@@ -243,8 +244,9 @@ def _axis_derivative(
 def sides(s: AxisState, t: Transmission, ports: Ports, axis: Axis) -> tuple[Side, Side]:
     """Return both sides of an axis. Hose 2 is counted towards the valve, hence the signs."""
     speed = t.arm * s.rate
-    q_1 = inlet_flow(speed, s.pressure_1, s.pressure_2, axis.actuator)
-    q_2 = outlet_flow(speed, s.pressure_1, s.pressure_2, axis.actuator)
+    through = speed * filled_share(speed, s.pressure_1, s.pressure_2, axis.oil_1)
+    q_1 = inlet_flow(through, s.pressure_1, s.pressure_2, axis.actuator)
+    q_2 = outlet_flow(through, s.pressure_1, s.pressure_2, axis.actuator)
     held_1, held_2 = (
         restriction(ports.lifts.one, axis.holding_1),
         restriction(ports.lifts.two, axis.holding_2),

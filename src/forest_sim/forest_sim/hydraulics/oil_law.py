@@ -2,7 +2,8 @@
 
 Oil that a tank has stirred holds free air. Pressed, the bubbles shrink and dissolve; under tank
 pressure they grow, and as the pressure nears that of the oil's vapour they fill any room. No
-volume that holds oil comes below.
+volume that holds oil comes below. A volume that owes oil, since what flowed out of it ran on when
+it was empty, is a few pascals below, on the law's tangent there, made ten times as steep.
 
 | symbol | name | unit |
 |---|---|---|
@@ -46,6 +47,8 @@ class Density(NamedTuple):
 
 
 CURVED = 100.0  # [Pa] by which a pressure along a tangent may be off
+EMPTY = 1.0  # [Pa] above the vapour's pressure: nearer to it the law is as good as straight
+OWING = 10.0  # times as steep is the law of a volume that owes oil
 INCOMPRESSIBLE = OilLaw(0.0, 0.0, math.inf, 1.0)
 
 
@@ -59,10 +62,13 @@ def oil_law(oil: Oil) -> OilLaw:
 
 
 def density(pressure: float, o: OilLaw) -> Density:
-    """Return nu and its slope at a pressure [Pa] above the vapour's: of l/(1 + g l), g the bubbles."""
+    """Return nu and its slope at a pressure [Pa]: of l/(1 + g l), g the bubbles."""
     liquid, whole = 1.0 + o.compliance * pressure, 1.0 + o.air
     if o.air == 0.0 or pressure >= o.dissolving:
         return Density(whole * liquid, whole * o.compliance)
+    if pressure + o.above_vapour <= 0.0:
+        slope = OWING * whole / (o.air * o.above_vapour)
+        return Density(slope * (pressure + o.above_vapour), slope)
     per_above, free, dissolved = 1.0 / (pressure + o.above_vapour), 1.0, 0.0
     if pressure > 0.0:
         s = pressure / o.dissolving
@@ -79,7 +85,7 @@ def enthalpy(pressure: float, o: OilLaw) -> float:
     """Return h [J/m^3] at a pressure [Pa], a little less than P where the oil is pressed."""
     h = math.log(1.0 + o.compliance * pressure) / o.compliance
     if o.air > 0.0:
-        h += o.air * o.above_vapour * _of_bubbles(pressure, o)
+        h += o.air * o.above_vapour * _of_bubbles(max(pressure, EMPTY - o.above_vapour), o)
     return h / (1.0 + o.air)
 
 
@@ -95,11 +101,15 @@ def _of_bubbles(pressure: float, o: OilLaw) -> float:
 
 
 def held_above_vapour(pressure: float, before: float, o: OilLaw) -> float:
-    """Return a pressure [Pa], but no less than a tenth of the way from the vapour's to one before."""
-    return max(pressure, before - 0.9 * (before + o.above_vapour))
+    """Return a pressure [Pa], but no less than a tenth of the way from the vapour's to one before.
+
+    Within `EMPTY` of the vapour's it may be any: Newton's next step, on a concave law, is the last.
+    """
+    above = before + o.above_vapour
+    return max(pressure, before - 0.9 * above) if above > EMPTY else pressure
 
 
 def is_near(pressure: float, near: float, o: OilLaw) -> bool:
     """Tell whether the law's tangent at a pressure near [Pa] is within some `CURVED` at another."""
     off = pressure - near
-    return off * off <= CURVED * (pressure + o.above_vapour)
+    return off * off <= CURVED * max(EMPTY, pressure + o.above_vapour)

@@ -18,6 +18,9 @@ conserves is the oil: a flow brings oil, a piston's motion does not.
 Flows are volumes at tank pressure, so that no oil is lost or made however it is pressed. Of energy
 the flow brings h dn/dt, the piston takes P A dx/dt, and the rest is in the volume.
 
+A motor takes volumes at tank pressure, too, unless its inlet is near vapour: it then takes the oil
+that is in the room that it opens, nu/0.95 of it, and runs an emptied volume no further down.
+
 A hose's resistance stands between its inertance and the volume: there is more oil in a chamber than
 in the hose, so that what moves with the piston does not pass the hose, and the actuator's port has
 the volume's pressure, which no vacuum is below. The source is Merritt, Hydraulic Control Systems,
@@ -31,6 +34,7 @@ from forest_sim.hydraulics.oil_law import INCOMPRESSIBLE, OilLaw, density, entha
 
 SETTLED = 1e-9  # of the oil in a volume, from which Newton's next step is its last: it squares that
 SETTLING_STEPS = 60
+BUBBLY = 0.95  # nu below which a motor's room is not full: 10 kPa of absolute pressure with 0.5 % of air
 
 
 class OilVolume(NamedTuple):
@@ -69,6 +73,21 @@ def content(pressure: float, position: float, v: OilVolume) -> Content:
     """Return n and C at a pressure [Pa] and an actuator position [m; rad]."""
     space, nu = v.volume + v.area * position + v.wall * pressure, density(pressure, v.oil)
     return Content(space * nu.ratio, v.wall * nu.ratio + space * nu.slope, nu.ratio)
+
+
+def filled_share(speed: float, pressure_1: float, pressure_2: float, v: OilVolume) -> float:
+    """Return which share of the room that a motor opens its inlet fills with oil; 1 of a piston.
+
+    Args:
+        speed: of the actuator [rad/s].
+        pressure_1: P of port 1, the inlet where the speed is positive [Pa].
+        pressure_2: of port 2 [Pa].
+        v: a volume of the actuator; both hold the same oil.
+    """
+    if v.area != 0.0 or v.oil.air == 0.0:
+        return 1.0
+    inlet = pressure_1 if speed > 0.0 else pressure_2
+    return min(1.0, max(0.0, density(inlet, v.oil).ratio / BUBBLY))
 
 
 def stored_energy(pressure: float, position: float, v: OilVolume) -> float:

@@ -29,6 +29,7 @@ from forest_sim.equations.plant_parameters import Axis, PlantParameters
 from forest_sim.equations.valve_ports import Ports
 from forest_sim.hydraulics.actuator import inlet_flow, outlet_flow, port_pressures
 from forest_sim.hydraulics.compensator import NONE
+from forest_sim.hydraulics.oil_volume import filled_share
 from forest_sim.hydraulics.port import port_pressure
 from forest_sim.hydraulics.supply import asked_stroke, saturation
 from forest_sim.sensors.sensor_model import WORKS, SensorMemory, SensorModel, sample, sample_if
@@ -294,9 +295,13 @@ def _supply(
 
 def _case_drain_flow(s: AxisState, axis: Axis) -> float:
     """Return the motor's external leakage [m^3/s]: what goes in and does not come out. Thesis eq. 4.8."""
-    return _motor_inflow(s, axis) - outlet_flow(s.rate, s.pressure_1, s.pressure_2, axis.actuator)
+    a = axis.actuator
+    return inlet_flow(s.rate, s.pressure_1, s.pressure_2, a) - outlet_flow(
+        s.rate, s.pressure_1, s.pressure_2, a
+    )
 
 
 def _motor_inflow(s: AxisState, axis: Axis) -> float:
     """Return the flow into the motor at port 1 [m^3/s]."""
-    return inlet_flow(s.rate, s.pressure_1, s.pressure_2, axis.actuator)
+    through = s.rate * filled_share(s.rate, s.pressure_1, s.pressure_2, axis.oil_1)
+    return inlet_flow(through, s.pressure_1, s.pressure_2, axis.actuator)

@@ -167,11 +167,11 @@ def blocks(
 
 def _require_numbers(machine: Machine, states: Floats, begin: int, rate: float) -> None:
     """Raise RunError if rows of states [N, ...], the first number `begin` + 1, are none from some row on."""
-    empty = np.flatnonzero(np.isnan(states).any(axis=1))
-    if len(empty):
+    lost = np.flatnonzero(np.isnan(states).any(axis=1))
+    if len(lost):
         raise RunError(
-            f"{machine.name}: at {(begin + 1 + empty[0]) / rate:g} s a volume has run empty, which the oil's"
-            f" law does not hold for; allowed: port_valves that let oil in"
+            f"{machine.name}: at {(begin + 1 + lost[0]) / rate:g} s a state is no number any more; allowed:"
+            f" a step of 1 ms or less, and a machine that forest-sim check has no word against"
         )
 
 

@@ -17,7 +17,7 @@ from forest_sim.equations.elastic_links import Roots, RootState
 from forest_sim.equations.multibody import HeadState
 from forest_sim.equations.plant import AxisState, PlantState
 from forest_sim.equations.plant_parameters import PlantParameters, SpoolValve
-from forest_sim.equations.valve_ports import Ports, has_poppets, ports_at, with_tank
+from forest_sim.equations.valve_ports import Ports, has_poppets, is_compensated, ports_at, with_tank
 from forest_sim.hydraulics.command_history import NO_COMMANDS, Acting, CommandHistory, after_dead_time
 from forest_sim.hydraulics.flow_force import NO_JETS, AllJets
 from forest_sim.hydraulics.hydraulic_line import PortGuard
@@ -73,11 +73,22 @@ class Step(NamedTuple):
 
 def step(simulation: Simulation, voltages: Vec3, h: float, p: PlantParameters) -> Simulation:
     """Advance the machine by h [s] with the valve voltages [V] held."""
-    return step_by_stages(simulation, voltages, h, p).after
+    count = parts(p)
+    for _ in range(count):
+        simulation = step_by_stages(simulation, voltages, h / count, p).after
+    return simulation
+
+
+def parts(p: PlantParameters) -> int:
+    """Return into how many equal ones a step is divided: two behind pressure compensators.
+
+    A flow that heeds no pressure damps nothing. What a step is off by is not forgotten, but rings on.
+    """
+    return 2 if is_compensated(p) else 1
 
 
 def step_by_stages(simulation: Simulation, voltages: Vec3, h: float, p: PlantParameters) -> Step:
-    """Do as `step`, and return both stages, too: what passes in a step is a sum over them."""
+    """Make one undivided step, and return both stages, too: what passes in a step is a sum over them."""
     plant, c = simulation.plant, GAMMA * h
     acting, history = _acting(simulation.history, voltages, h, p)
     midpoint = with_jets(simulation.midpoint, plant, simulation.spools, p)

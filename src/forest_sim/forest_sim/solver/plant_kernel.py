@@ -73,6 +73,7 @@ def entry() -> Entry:
     none = power_flows.power_flows(simulation, p)
     names = {
         "step_by_stages": integrator.step_by_stages,
+        "parts": integrator.parts,
         "power_flows": power_flows.power_flows,
         "stopped_energy": power_flows.stopped_energy,
         "FIRST": integrator.WEIGHTS[0],
@@ -93,23 +94,24 @@ def _text(simulation: Simulation, powers: power_flows.PowerFlows) -> str:
     flows = [path for path, _ in flat_layout.leaves(powers, "")]
     lines = [
         f"def kernel({NAMES}):",
-        "    i = 0",
+        "    i, divided = 0, parts(p)",
         "    for row in range(rows):",
-        "        h = steps[schedules * row]",
+        "        h = steps[schedules * row] / divided",
         "        for _ in range(int(counts[schedules * row])):",
         "            held = (voltages[i], voltages[i + 1], voltages[i + 2])",
-        "            taken = step_by_stages(simulation, held, h, p)",
         "            i += stride",
-        "            if recorded > 1:",
-        "                early, late = power_flows(taken.early, p), power_flows(taken.late, p)",
-        "                stopped = stopped_energy(simulation.plant, taken.early.plant, p)",
-        f"                e = row * {len(flows) + len(AXES)}",
+        "            for _ in range(divided):",
+        "                taken = step_by_stages(simulation, held, h, p)",
+        "                if recorded > 1:",
+        "                    early, late = power_flows(taken.early, p), power_flows(taken.late, p)",
+        "                    stopped = stopped_energy(simulation.plant, taken.early.plant, p)",
+        f"                    e = row * {len(flows) + len(AXES)}",
         *(
-            f"                energies[e + {i}] += h * (FIRST * early{path} + SECOND * late{path})"
+            f"                    energies[e + {i}] += h * (FIRST * early{path} + SECOND * late{path})"
             for i, path in enumerate(flows)
         ),
-        *(f"                energies[e + {len(flows) + i}] += stopped[{i}]" for i in range(len(AXES))),
-        "            simulation = taken.after",
+        *(f"                    energies[e + {len(flows) + i}] += stopped[{i}]" for i in range(len(AXES))),
+        "                simulation = taken.after",
         "        if recorded:",
         f"            s = row * {len(state)}",
         *(f"            states[s + {i}] = {path}" for i, path in enumerate(state)),

@@ -37,7 +37,7 @@ from forest_sim.equations.valve_ports import Ports
 from forest_sim.hydraulics.actuator import inlet_flow, outlet_flow, port_pressures
 from forest_sim.hydraulics.hydraulic_line import guard_flow
 from forest_sim.hydraulics.load_holding import holding_drop, is_held
-from forest_sim.hydraulics.oil_volume import hose_drop
+from forest_sim.hydraulics.oil_volume import filled_share, hose_drop
 from forest_sim.hydraulics.port import Port, edge_flows, is_shut, port_pressure
 from forest_sim.hydraulics.pump_drive import engine_torque
 from forest_sim.hydraulics.side import Side, storage
@@ -82,7 +82,7 @@ class AxisPower(NamedTuple):
     port_valves: float  # lost over relief and anti-cavitation valves
     resistance: float  # lost in the hoses
     holding: float  # lost in load-holding valves
-    leakage: float  # lost inside the motor and to its case drain
+    leakage: float  # lost inside the motor, where vapour collapses too, and to its case drain
     damping: float  # lost to viscous friction
     dry_friction: float
     cushion: float
@@ -211,8 +211,10 @@ def _axis_power(
     p: PlantParameters,
 ) -> AxisPower:
     a, u = axis.actuator, t.arm * s.rate
-    q_1 = inlet_flow(u, s.pressure_1, s.pressure_2, a)
-    q_2 = outlet_flow(u, s.pressure_1, s.pressure_2, a)
+    through = u * filled_share(u, s.pressure_1, s.pressure_2, axis.oil_1)
+    q_1 = inlet_flow(through, s.pressure_1, s.pressure_2, a)
+    q_2 = outlet_flow(through, s.pressure_1, s.pressure_2, a)
+    unfilled = (through - u) * (a.displacement_1 * s.pressure_1 - a.displacement_2 * s.pressure_2)
     p_1, p_2 = port_pressures(u, s.pressure_1, s.pressure_2, a)
     lost_1, in_1 = _valve(s.pressure_1, s.flow_1, ports.port_1, supply)
     lost_2, in_2 = _valve(s.pressure_2, -s.flow_2, ports.port_2, supply)
@@ -236,7 +238,8 @@ def _axis_power(
         + (drop_1 * one.flow + drop_2 * two.flow),
         holding=_holding(one) + _holding(two),
         leakage=a.internal_leakage * ((p_1 - p_2) * (p_1 - p_2))
-        + a.external_leakage * (p_1 * p_1 + p_2 * p_2),
+        + a.external_leakage * (p_1 * p_1 + p_2 * p_2)
+        + unfilled,
         damping=a.damping * u * u,
         dry_friction=friction_force(u, axis.friction, s.pressure_1, s.pressure_2) * u + drive.friction,
         cushion=cushion_resistance(t.position, u, axis.cushion) * abs(u) * u * u,

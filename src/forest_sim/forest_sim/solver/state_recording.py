@@ -28,7 +28,7 @@ from forest_sim.hydraulics.pump_drive import PumpState
 from forest_sim.hydraulics.spool_dynamics import CENTRED, Spool
 from forest_sim.hydraulics.supply import SupplyState
 from forest_sim.hydraulics.tank_line import TankState
-from forest_sim.solver.integrator import WEIGHTS, Events, Simulation, step_by_stages
+from forest_sim.solver.integrator import WEIGHTS, Events, Simulation, parts, step_by_stages
 from forest_sim.solver.power_flows import AxisPower, SupplyPower, power_flows, stopped_energy
 from forest_sim.solver.step_schedule import StepSchedule, schedule_of
 
@@ -69,17 +69,19 @@ def record(
     """
     schedule = schedule_of(schedule, len(states), len(voltages))
     after_row = np.cumsum(schedule.counts).astype(int).tolist()
+    divided = parts(p)
     pack_flows = flat_layout.packer(power_flows(simulation, p))
     for row, (h, count, end) in enumerate(zip(*map(np.ndarray.tolist, schedule), after_row, strict=True)):
         for volts in voltages[end - round(count) : end].tolist():
-            taken = step_by_stages(simulation, (volts[0], volts[1], volts[2]), h, p)
-            if energies is not None:
-                early = np.array(pack_flows(power_flows(taken.early, p)))
-                late = np.array(pack_flows(power_flows(taken.late, p)))
-                flowed = h * (WEIGHTS[0] * early + WEIGHTS[1] * late)
-                stopped = stopped_energy(simulation.plant, taken.early.plant, p)
-                energies[row] += np.concatenate([flowed, stopped])
-            simulation = taken.after
+            for _ in range(divided):
+                taken = step_by_stages(simulation, (volts[0], volts[1], volts[2]), h / divided, p)
+                if energies is not None:
+                    early = np.array(pack_flows(power_flows(taken.early, p)))
+                    late = np.array(pack_flows(power_flows(taken.late, p)))
+                    flowed = h / divided * (WEIGHTS[0] * early + WEIGHTS[1] * late)
+                    stopped = stopped_energy(simulation.plant, taken.early.plant, p)
+                    energies[row] += np.concatenate([flowed, stopped])
+                simulation = taken.after
         store(simulation, states[row])
     return simulation
 

@@ -15,7 +15,7 @@ from forest_sim.hydraulics.actuator import actuator_force, inlet_flow, outlet_fl
 from forest_sim.hydraulics.hydraulic_line import LineSolution, PortGuard, solve_line, with_outflow
 from forest_sim.hydraulics.load_holding import Restriction, restriction
 from forest_sim.hydraulics.oil_law import held_above_vapour, is_near
-from forest_sim.hydraulics.oil_volume import StageHose, stage_hose
+from forest_sim.hydraulics.oil_volume import StageHose, filled_share, stage_hose
 from forest_sim.mechanics.end_stop import cushion_resistance, end_stop_resistance
 from forest_sim.mechanics.friction import friction_force, friction_slope
 from forest_sim.mechanics.manipulator import Pair
@@ -30,6 +30,7 @@ class AxisEnd(NamedTuple):
 
 
 TANGENTS = 30  # to the oil's law that a stage tries
+STEADY = 1e-3  # of the oil that a motor takes, by which it may still change
 
 
 class AxisSolution(NamedTuple):
@@ -99,27 +100,25 @@ def _solve_with_chambers(
     Oil with air is not linear in the pressure: its tangent is moved until it is near enough. A
     piston takes no oil from its chamber, but moves its wall.
     """
-    oil_1, oil_2, through = axis.oil_1, axis.oil_2, t.arm * rate
-    swept_1, swept_2 = axis.actuator.displacement_1, axis.actuator.displacement_2
-    if oil_1.area != 0.0:
-        through = 0.0
+    oil_1, oil_2 = axis.oil_1, axis.oil_2
     near_1 = held_above_vapour(near.pressure_1, 0.0, oil_1.oil)
     near_2 = held_above_vapour(near.pressure_2, 0.0, oil_2.oil)
     hose_1 = stage_hose(base.pressure_1, base.flow_1, t.position, near_1, axis.line_1, oil_1, h)
     hose_2 = stage_hose(base.pressure_2, -base.flow_2, t.position, near_2, axis.line_2, oil_2, h)
+    through = _motor_takes(t.arm * rate, near_1, near_2, axis)
     one, two = _solve_hoses(hose_1, hose_2, through, ports, supply, axis, guard, h)
     for _ in range(TANGENTS):
-        if is_near(one.pressure, near_1, oil_1.oil) and is_near(two.pressure, near_2, oil_2.oil):
+        steady = _is_steady(through, t.arm * rate, one.pressure, two.pressure, axis)
+        if steady and is_near(one.pressure, near_1, oil_1.oil) and is_near(two.pressure, near_2, oil_2.oil):
             break
         near_1 = held_above_vapour(one.pressure, near_1, oil_1.oil)
         near_2 = held_above_vapour(two.pressure, near_2, oil_2.oil)
         hose_1 = stage_hose(base.pressure_1, base.flow_1, t.position, near_1, axis.line_1, oil_1, h)
         hose_2 = stage_hose(base.pressure_2, -base.flow_2, t.position, near_2, axis.line_2, oil_2, h)
+        through = _motor_takes(t.arm * rate, near_1, near_2, axis)
         one, two = _solve_hoses(hose_1, hose_2, through, ports, supply, axis, guard, h)
-    if oil_1.area != 0.0:
-        swept_1 *= hose_1.density
-        swept_2 *= hose_2.density
-    return _solution(rate, t, one, two, hose_1, hose_2, (swept_1, swept_2), axis, h)
+    swept = _swept(t.arm * rate, (near_1, near_2), hose_1, hose_2, axis)
+    return _solution(rate, t, one, two, hose_1, hose_2, swept, axis, h)
 
 
 def _solve_with_holding(
@@ -134,10 +133,7 @@ def _solve_with_holding(
     h: float,
 ) -> AxisSolution:
     """Do as `_solve_with_chambers` with load-holding valves, whose tangents move along; not inlined."""
-    oil_1, oil_2, through = axis.oil_1, axis.oil_2, t.arm * rate
-    swept_1, swept_2 = axis.actuator.displacement_1, axis.actuator.displacement_2
-    if oil_1.area != 0.0:
-        through = 0.0
+    oil_1, oil_2, speed = axis.oil_1, axis.oil_2, t.arm * rate
     pressures = (
         held_above_vapour(near.pressure_1, 0.0, oil_1.oil),
         held_above_vapour(near.pressure_2, 0.0, oil_2.oil),
@@ -148,13 +144,15 @@ def _solve_with_holding(
         first_flow(-near.flow_2, pressures[1], ports.port_2, held[1], supply),
     )
     one, two, hose_1, hose_2 = _tangents(
-        base, pressures, flows, held, through, t, ports, supply, axis, guard, h
+        base, pressures, flows, held, speed, t, ports, supply, axis, guard, h
     )
     for _ in range(TANGENTS):
         after_1 = next_flow(one, flows[0], ports.port_1, held[0], supply)
         after_2 = next_flow(two, flows[1], ports.port_2, held[1], supply)
-        steady = after_1 == flows[0] and after_2 == flows[1]
         near_1, near_2 = pressures
+        through = _motor_takes(speed, near_1, near_2, axis)
+        steady = _is_steady(through, speed, one.pressure, two.pressure, axis)
+        steady = steady and after_1 == flows[0] and after_2 == flows[1]
         if steady and is_near(one.pressure, near_1, oil_1.oil) and is_near(two.pressure, near_2, oil_2.oil):
             break
         pressures = (
@@ -163,12 +161,31 @@ def _solve_with_holding(
         )
         flows = after_1, after_2
         one, two, hose_1, hose_2 = _tangents(
-            base, pressures, flows, held, through, t, ports, supply, axis, guard, h
+            base, pressures, flows, held, speed, t, ports, supply, axis, guard, h
         )
-    if oil_1.area != 0.0:
-        swept_1 *= hose_1.density
-        swept_2 *= hose_2.density
-    return _solution(rate, t, one, two, hose_1, hose_2, (swept_1, swept_2), axis, h)
+    swept = _swept(speed, pressures, hose_1, hose_2, axis)
+    return _solution(rate, t, one, two, hose_1, hose_2, swept, axis, h)
+
+
+def _motor_takes(speed: float, near_1: float, near_2: float, axis: Axis) -> float:
+    """Return the speed [rad/s] with which a motor takes its oil, 0 of a piston, which takes none."""
+    if axis.oil_1.area != 0.0:
+        return 0.0
+    return speed * filled_share(speed, near_1, near_2, axis.oil_1)
+
+
+def _is_steady(through: float, speed: float, pressure_1: float, pressure_2: float, axis: Axis) -> bool:
+    """Tell whether a motor takes as much oil at the pressures found [Pa] as it was taken to [rad/s]."""
+    return abs(_motor_takes(speed, pressure_1, pressure_2, axis) - through) <= STEADY * abs(through)
+
+
+def _swept(speed: float, near: Pair, hose_1: StageHose, hose_2: StageHose, axis: Axis) -> Pair:
+    """Return the oil that port 1 takes and port 2 gives per actuator speed [m^2; m^3/rad]."""
+    a = axis.actuator
+    if axis.oil_1.area != 0.0:
+        return a.displacement_1 * hose_1.density, a.displacement_2 * hose_2.density
+    filled = filled_share(speed, near[0], near[1], axis.oil_1)
+    return filled * a.displacement_1, filled * a.displacement_2
 
 
 def _tangents(
@@ -176,7 +193,7 @@ def _tangents(
     near: Pair,
     flows: Pair,
     held: tuple[Restriction, Restriction],
-    through: float,
+    speed: float,
     t: Transmission,
     ports: Ports,
     supply: float,
@@ -192,6 +209,7 @@ def _tangents(
     hose_2 = stage_hose(base.pressure_2, -base.flow_2, t.position, near[1], axis.line_2, axis.oil_2, h)
     hose_1 = held_hose(hose_1, flows[0], held[0], h)
     hose_2 = held_hose(hose_2, flows[1], held[1], h)
+    through = _motor_takes(speed, near[0], near[1], axis)
     one, two = _solve_hoses(hose_1, hose_2, through, ports, supply, axis, guard, h)
     return one, two, hose_1, hose_2
 
