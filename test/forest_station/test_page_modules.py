@@ -400,6 +400,25 @@ SCENE = {"work_area": {"section": [[2.0, -1.0], [8.0, 4.0]]}, "ground": -2.2}
 TREES_BEGIN = CLEARING * 8.0 - 2.4  # [m] from the swing axis: the inner ones' boughs
 
 
+def test_labels_know_the_places_of_sticks_that_lie_over_the_picture(js: Js) -> None:
+    taken = """({ Labels }) => {
+      const put = (parent, name, left, top, width, height) => {
+        const element = document.createElement("div");
+        Object.assign(element.style, { position: "fixed", inset: `${top}px auto auto ${left}px` });
+        Object.assign(element.style, { width: `${width}px`, height: `${height}px` });
+        element.className = element.id = name;
+        parent.append(element);
+        return element;
+      };
+      const scene = put(document.body, "scene", 20, 90, 800, 300);
+      const stick = put(put(document.body, "sticks", 20, 90, 800, 300), "stick", 30, 250, 100, 120);
+      const { taken } = new Labels(put(scene, "labels", 20, 90, 800, 300));
+      for (const part of [scene, stick.parentElement]) part.remove();
+      return taken;
+    }"""
+    assert js("scene/labels.js", taken) == [[10, 160, 110, 280]]
+
+
 @pytest.mark.parametrize("width", [1600, 900, 390])
 def test_no_tree_stands_between_the_side_camera_and_the_crane(js: Js, width: int) -> None:
     look = """(cameras) => {
