@@ -182,6 +182,30 @@ def test_a_mapping_is_edited_calibrated_and_kept_for_its_device(met: PageStandIn
     wait(met, lambda hands: hands.axes[LEFT_Y] == 1.0 and hands.held)
 
 
+def test_a_gamepad_that_rests_aside_is_named_and_one_without_a_deadman_is_no_grip(met: PageStandIn) -> None:
+    page, line = met.page, met.page.locator("#message p")
+    page.evaluate("plugIn('Acme Stick (Vendor: 1234 Product: 5678)', '', 2, 2)")
+    page.evaluate("pads[0].axes = [0.2, 0]")
+    met.tell_seat(deadman=("ready", ""))
+    page.clock.run_for(400)
+    assert line.inner_text().startswith("Let go of Acme Stick, or calibrate it")
+    page.evaluate("pads[0].axes = [0, 0]")
+    page.clock.run_for(400)
+    assert line.inner_text() == "Hold the left Shift key, then move a stick."
+    device = page.locator("#gamepads details")
+    device.locator("summary").click()
+    narrow = """() => [...document.querySelectorAll("#gamepads :is(select, meter)")].filter((part) => {
+      const { left, right } = part.getBoundingClientRect();
+      return right - left < 60 || right > document.getElementById("left").clientWidth;
+    }).length"""
+    assert page.evaluate(narrow) == 0
+    device.get_by_label("deadman button").select_option("1")
+    page.clock.run_for(400)
+    assert "or the gamepad's left shoulder" in line.inner_text()
+    page.get_by_role("button", name="As usual").click()
+    met.tell_seat()
+
+
 def test_who_looks_on_sends_nothing_asks_for_control_and_the_driver_hands_over(met: PageStandIn) -> None:
     met.tell_seat(asking=("operator 2",))
     met.page.get_by_role("button", name="Hand over to operator 2").click()

@@ -207,6 +207,8 @@ def test_a_limit_that_lets_nothing_through_is_no_slowing_to_nothing(js: Js) -> N
     told = js("hands/why.js", why, [Limit.JOINT, "boom"])
     assert told == [held, held, "Slowed to 28 %: the boom joint nears its limit.", ""]
     assert js("hands/why.js", why, [Limit.JOINT, ""])[0] == "Held back: the joint is at its limit."
+    wall = "Held back by a wall: along it and away from it the tip is free."
+    assert js("hands/why.js", why, [Limit.WALL, ""]) == [wall] * 4
     told = [js("hands/why.js", why, [Limit.RATE, axis])[2] for axis in ("stick", "")]
     assert told == [f"Slowed to 28 % by {who} joint's greatest speed." for who in ("the stick", "a")]
 
