@@ -90,6 +90,7 @@ def main() -> None:
         page.add_init_script(BEFORE)
         page.goto(f"{address}#bag={bag.name}&t={first / RATE}")
         page.wait_for_selector("#replay_banner .name")
+        page.eval_on_selector(".rate", "(figure) => figure.style.visibility = 'hidden'")  # of this computer
         begin, *others = filmed(page, series.values[newest, :3])
         browser.close()
     begin.save(OUTPUT, save_all=True, append_images=others, duration=1000 * STRIDE // RATE, loop=0, method=6)

@@ -90,7 +90,7 @@ DONE = """async () => {
 
 
 @pytest.mark.usefixtures("sized")
-@pytest.mark.parametrize("sized", [(1280, 800), (900, 600), (390, 844)], indirect=True)
+@pytest.mark.parametrize("sized", [(1280, 800), (900, 600), (390, 844), (844, 390)], indirect=True)
 def test_the_result_of_the_exercise_is_not_cut_off_by_its_buttons(met: PageStandIn) -> None:
     assert not met.page.evaluate(DONE)
 

@@ -13,6 +13,8 @@ RIGHT_X = JOY_AXES.index("right_x")
 CENTRED = (0.0,) * AXIS_COUNT
 SIGNALS = (("controller/status/armed", "1"), *((f"tip/pose/{axis}", "m") for axis in "xyz"))
 TIP = (5.0, 0.0, 1.0)  # [m]
+PHONES = [(390, 844), (844, 390)]
+SIZES = [(1280, 800), (900, 600), *PHONES]
 CHOICE = {"type": "str", "text": "", "live": True, "choices": ["joint", "coordinated"]}
 
 
@@ -178,6 +180,30 @@ def test_a_mapping_is_edited_calibrated_and_kept_for_its_device(met: PageStandIn
     page.evaluate("plugIn('Joystick L', '', 3, 2)")
     page.evaluate("pads[0].axes = [0, 0, 0.5]; Object.assign(pads[0].buttons[1], {pressed: true})")
     wait(met, lambda hands: hands.axes[LEFT_Y] == 1.0 and hands.held)
+
+
+def test_a_gamepad_that_rests_aside_is_named_and_one_without_a_deadman_is_no_grip(met: PageStandIn) -> None:
+    page, line = met.page, met.page.locator("#message p")
+    page.evaluate("plugIn('Acme Stick (Vendor: 1234 Product: 5678)', '', 2, 2)")
+    page.evaluate("pads[0].axes = [0.2, 0]")
+    met.tell_seat(deadman=("ready", ""))
+    page.clock.run_for(400)
+    assert line.inner_text().startswith("Let go of Acme Stick, or calibrate it")
+    page.evaluate("pads[0].axes = [0, 0]")
+    page.clock.run_for(400)
+    assert line.inner_text() == "Hold the left Shift key, then move a stick."
+    device = page.locator("#gamepads details")
+    device.locator("summary").click()
+    narrow = """() => [...document.querySelectorAll("#gamepads :is(select, meter)")].filter((part) => {
+      const { left, right } = part.getBoundingClientRect();
+      return right - left < 60 || right > document.getElementById("left").clientWidth;
+    }).length"""
+    assert page.evaluate(narrow) == 0
+    device.get_by_label("deadman button").select_option("1")
+    page.clock.run_for(400)
+    assert "or the gamepad's left shoulder" in line.inner_text()
+    page.get_by_role("button", name="As usual").click()
+    met.tell_seat()
 
 
 def test_who_looks_on_sends_nothing_asks_for_control_and_the_driver_hands_over(met: PageStandIn) -> None:
@@ -396,16 +422,14 @@ def test_a_stop_without_connection_is_sent_when_there_is_one(met: PageStandIn) -
     assert met.asked[0]["do"] == "emergency_stop"
 
 
-@pytest.mark.parametrize("width", ["desktop", "phone"])
+@pytest.mark.parametrize("sized", SIZES, indirect=True)
 def test_the_emergency_stop_is_in_sight_and_nothing_covers_it(
-    request: pytest.FixtureRequest, width: str
+    met: PageStandIn, sized: tuple[int, int]
 ) -> None:
-    met: PageStandIn = request.getfixturevalue(width)
-    met.rest()
     met.tell("emergency_stop", active=True, sources=[{"name": "controller", "state": "stopped"}])
     met.tell_seat(asking=("operator 2",), why_not="Another node publishes /joy: a node of somebody's.")
     met.page.wait_for_selector("text=Hand over to operator 2")
-    if width == "phone":
+    if drawer := sized[0] < 960:
         met.page.click("#drawer-button")
     covered = """() => [...document.querySelectorAll(".stop, .hold, .stick")].filter((element) => {
       const { left, top, right, bottom } = element.getBoundingClientRect();
@@ -414,6 +438,27 @@ def test_the_emergency_stop_is_in_sight_and_nothing_covers_it(
       return !inside || !element.contains(seen) || Math.min(right - left, bottom - top) < 44;
     }).map((element) => element.className)"""
     assert met.page.evaluate(covered) == []
+    if drawer:
+        met.page.click("#drawer-button")
+
+
+FREE = """() => {
+  const isScene = (x, y) => {
+    const seen = document.elementFromPoint(x, y);
+    return seen.closest("#scene") && !seen.closest("#first_minute");
+  };
+  let [all, seen] = [0, 0];
+  for (let x = 5; x < innerWidth; x += 10) {
+    for (let y = 5; y < innerHeight; y += 10, all++) if (isScene(x, y)) seen++;
+  }
+  return seen / all;
+}"""
+
+
+@pytest.mark.usefixtures("sized")
+@pytest.mark.parametrize("sized", PHONES, indirect=True)
+def test_a_phone_shows_the_crane_on_more_than_a_third_of_its_screen(met: PageStandIn) -> None:
+    assert met.page.evaluate(FREE) > 0.34
 
 
 def test_what_the_server_says_stands_in_the_way_is_shown(met: PageStandIn) -> None:
@@ -460,10 +505,10 @@ CUT = """([selector, texts]) => {
 }"""
 
 
-@pytest.mark.parametrize("sized", [(1280, 800), (900, 600), (390, 844)], indirect=True)
+@pytest.mark.parametrize("sized", SIZES, indirect=True)
 def test_no_advice_is_cut_off(met: PageStandIn, js: Js, sized: tuple[int, int]) -> None:
     page = met.page
-    phone = sized[0] < 400
+    phone = min(sized) < 400
     grip = {"grip": "HOLD TO DRIVE"} if phone else {}
     told = [one | {"fingers": phone, "here": one["here"] | grip} for one in page_words.states()]
     told += [one | {"cause": cause} for one in told for cause in WORST_CAUSES if one["cause"]]
@@ -501,7 +546,7 @@ PLACES = """(parts) => [...parts, "#message"].map((name) => {
 
 
 @pytest.mark.usefixtures("sized")
-@pytest.mark.parametrize("sized", [(1280, 800), (900, 600), (390, 844)], indirect=True)
+@pytest.mark.parametrize("sized", SIZES, indirect=True)
 def test_nothing_jumps_when_a_message_comes_or_goes(met: PageStandIn) -> None:
     page = met.page
     places = page.evaluate(PLACES, PARTS)

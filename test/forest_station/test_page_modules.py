@@ -207,6 +207,8 @@ def test_a_limit_that_lets_nothing_through_is_no_slowing_to_nothing(js: Js) -> N
     told = js("hands/why.js", why, [Limit.JOINT, "boom"])
     assert told == [held, held, "Slowed to 28 %: the boom joint nears its limit.", ""]
     assert js("hands/why.js", why, [Limit.JOINT, ""])[0] == "Held back: the joint is at its limit."
+    wall = "Held back by a wall: along it and away from it the tip is free."
+    assert js("hands/why.js", why, [Limit.WALL, ""]) == [wall] * 4
     told = [js("hands/why.js", why, [Limit.RATE, axis])[2] for axis in ("stick", "")]
     assert told == [f"Slowed to 28 % by {who} joint's greatest speed." for who in ("the stick", "a")]
 
@@ -398,6 +400,25 @@ CAMERAS = """async (m, [scene, width, height, act]) => {
 }"""
 SCENE = {"work_area": {"section": [[2.0, -1.0], [8.0, 4.0]]}, "ground": -2.2}
 TREES_BEGIN = CLEARING * 8.0 - 2.4  # [m] from the swing axis: the inner ones' boughs
+
+
+def test_labels_know_the_places_of_sticks_that_lie_over_the_picture(js: Js) -> None:
+    taken = """({ Labels }) => {
+      const put = (parent, name, left, top, width, height) => {
+        const element = document.createElement("div");
+        Object.assign(element.style, { position: "fixed", inset: `${top}px auto auto ${left}px` });
+        Object.assign(element.style, { width: `${width}px`, height: `${height}px` });
+        element.className = element.id = name;
+        parent.append(element);
+        return element;
+      };
+      const scene = put(document.body, "scene", 20, 90, 800, 300);
+      const stick = put(put(document.body, "sticks", 20, 90, 800, 300), "stick", 30, 250, 100, 120);
+      const { taken } = new Labels(put(scene, "labels", 20, 90, 800, 300));
+      for (const part of [scene, stick.parentElement]) part.remove();
+      return taken;
+    }"""
+    assert js("scene/labels.js", taken) == [[10, 160, 110, 280]]
 
 
 @pytest.mark.parametrize("width", [1600, 900, 390])

@@ -8,7 +8,7 @@ from xml.etree import ElementTree
 import numpy as np
 import pytest
 
-from forest_control.config.workspace_file import load_workspace
+from forest_control.config.workspace_file import load_workspace, told_ground
 from forest_control.limits.workspace import clearance
 from forest_description.derived.limits import joint_limits, workspace_limits
 from forest_description.geometry.kinematics import tip_position
@@ -125,7 +125,18 @@ def test_walls_are_those_of_the_file_and_keep_the_tip_as_far():
     )
     for point, wall in zip(on_each, workspace.walls, strict=False):
         assert clearance(point, wall).distance == pytest.approx(0.0, abs=1e-12)
-    assert scene_of(MACHINES["c180_hoses"], workspace)["ground"] == ground["offset"]
+
+
+def test_the_ground_stays_where_the_file_tells_it_whatever_margin_its_wall_keeps(tmp_path):
+    path = tmp_path / "yard.yaml"
+    path.write_text("ground: -1.5\nmargin: 0.2\n")
+    machine, workspace = MACHINES["c180_hoses"], load_workspace(str(path))
+    scene = scene_of(machine, workspace, ground=told_ground(str(path)))
+    assert (scene["ground"], scene["walls"][0]["offset"]) == (-1.5, -1.3)
+    path.write_text("stay_inside: {lower: [-9, -9, -1], upper: [9, 9, 5]}\n")  # its floor is no ground
+    assert told_ground(str(path)) is told_ground("") is None
+    walled = scene_of(machine, load_workspace(str(path)))
+    assert walled["ground"] == scene_of(machine)["ground"]
 
 
 def test_slow_zone_is_where_the_fastest_tip_begins_to_brake():

@@ -40,6 +40,15 @@ def load_workspace(name: str) -> Workspace:
     return _Reader(name).workspace(tree_of("workspace", name, "workspaces"))
 
 
+def told_ground(name: str) -> float | None:
+    """Return the height of the ground that a workspace tells [m], without its margin; None: it tells none.
+
+    Raises:
+        SettingFileError: as `load_workspace`.
+    """
+    return _Reader(name).ground(tree_of("workspace", name, "workspaces")) if name else None
+
+
 class _Reader:
     """Takes a file's tree apart; every complaint names the file."""
 
@@ -53,10 +62,8 @@ class _Reader:
             tree.get("approach", APPROACH), "approach", LEAST_APPROACH, MOST_APPROACH, "1/s"
         )
         walls = []
-        if "ground" in tree:
-            walls.append(
-                Wall(PLANE, (0.0, 0.0, 1.0), (0.0,) * 3, self._number(tree["ground"], "ground") + margin)
-            )
+        if (ground := self.ground(tree)) is not None:
+            walls.append(Wall(PLANE, (0.0, 0.0, 1.0), (0.0,) * 3, ground + margin))
         if "stay_inside" in tree:
             walls += self._inside(tree["stay_inside"], margin)
         for i, box in enumerate(self._list(tree.get("boxes", []), "boxes")):
@@ -66,6 +73,9 @@ class _Reader:
         if len(walls) > MOST:
             self._refuse(f"{len(walls)} walls; allowed: up to {MOST} (stay_inside counts as 6)")
         return Workspace((*walls, *(NO_WALL,) * (MOST - len(walls))), approach, len(walls))
+
+    def ground(self, tree: Any) -> float | None:
+        return self._number(tree["ground"], "ground") if "ground" in tree else None
 
     def _inside(self, tree: Any, margin: float) -> list[Wall]:
         low, high = self._corners(tree, "stay_inside")

@@ -32,13 +32,3 @@ def _side(wall: Wall) -> str:
     if upwards == 0.0:
         return "side"
     return "ground" if upwards > 0.0 else "ceiling"
-
-
-def ground_of(workspace: Workspace) -> float | None:
-    """Return the height of the highest floor [m], None where the workspace has none."""
-    floors = [
-        wall.radius
-        for wall in workspace.walls[: workspace.number]
-        if wall.kind == PLANE and wall.first == (0.0, 0.0, 1.0)
-    ]
-    return max(floors, default=None)

@@ -3,7 +3,7 @@
 from forest_control.limits.workspace import OPEN, Workspace
 from forest_description.machine import Machine
 from forest_description.urdf.robot_description import robot_description
-from forest_station.scene.drawn_walls import drawn_walls, ground_of
+from forest_station.scene.drawn_walls import drawn_walls
 from forest_station.scene.hoses import hoses_of
 from forest_station.scene.scene_elements import Scene
 from forest_station.scene.surroundings import surroundings
@@ -11,20 +11,24 @@ from forest_station.scene.urdf_tree import joints_of, links_of, robot_of
 from forest_station.scene.work_area import work_area
 
 PILLAR = 0.28
-"""Assumed height of the boom's pivot over the ground where no wall tells it, per reach: 2.2 m of a C-180."""
+"""Assumed height of the boom's pivot over the ground where nobody tells it, per reach: 2.2 m of a C-180."""
 TIP_SPEED = 0.5
 """Assumed greatest speed of the tip [m/s]: how far from a wall it begins to brake."""
 
 
-def scene_of(machine: Machine, workspace: Workspace = OPEN, tip_speed: float = TIP_SPEED) -> Scene:
+def scene_of(
+    machine: Machine, workspace: Workspace = OPEN, tip_speed: float = TIP_SPEED, ground: float | None = None
+) -> Scene:
     """Return the scene of a machine; arguments as `scene_from_urdf`."""
-    scene = scene_from_urdf(robot_description(machine), workspace, tip_speed)
+    scene = scene_from_urdf(robot_description(machine), workspace, tip_speed, ground)
     if (chart := machine.capacity) is not None:
         scene["capacity"] = [list(point) for point in zip(chart.reach, chart.load, strict=True)]
     return scene
 
 
-def scene_from_urdf(text: str, workspace: Workspace = OPEN, tip_speed: float = TIP_SPEED) -> Scene:
+def scene_from_urdf(
+    text: str, workspace: Workspace = OPEN, tip_speed: float = TIP_SPEED, ground: float | None = None
+) -> Scene:
     """Return the scene of a robot description.
 
     Args:
@@ -32,6 +36,7 @@ def scene_from_urdf(text: str, workspace: Workspace = OPEN, tip_speed: float = T
         workspace: Walls of the controller, as `forest_control.config.workspace_file` reads them.
         tip_speed: Greatest speed of the tip [m/s]; with the workspace's approach it tells where
             the tip begins to brake before a wall.
+        ground: Its height [m]; None: nobody tells it. A wall before it lies higher, by a margin.
 
     Raises:
         SceneError: The text is no such URDF.
@@ -39,8 +44,8 @@ def scene_from_urdf(text: str, workspace: Workspace = OPEN, tip_speed: float = T
     robot = robot_of(text)
     links, joints = links_of(robot), joints_of(robot)
     reach = max(r for r, _ in work_area(joints, 0.0)["section"])
-    floor = ground_of(workspace)
-    ground = -PILLAR * reach if floor is None else floor
+    if ground is None:
+        ground = -PILLAR * reach
     return Scene(
         machine=robot.get("name", ""),
         links=links,

@@ -38,10 +38,10 @@ class Advice extends EventTarget {
   // This page's hands, as `adviceFor` asks for them.
   get here() {
     const { held, doubted, why } = this.hands.deadman;
-    const { deflected, grip, lateness } = this.hands;
+    const { deflected, aside, grip, lateness } = this.hands;
     const often = lateness.isOften(performance.now());
     const now = { replays: !this.station.live, plays: this.phase === "waiting" };
-    return { held, doubted, why, deflected, grip, often, you: this.you, lost: this.lost, ...now };
+    return { held, doubted, why, deflected, aside, grip, often, you: this.you, lost: this.lost, ...now };
   }
 
   #judge() {

@@ -4,6 +4,7 @@ import { DEADMAN, mergeAxes } from "./joy.js";
 import { checkedMapping, joystickMapping, mappedAxes, mappedButtons, standardMapping } from "./mapping.js";
 
 const STORED = "forest_station.mapping.";
+const hasDeadman = ({ mapping }) => mapping.buttons[DEADMAN] !== null;
 
 export class Gamepads {
   #mappings = new Map(); // by key
@@ -36,16 +37,18 @@ export class Gamepads {
     localStorage.removeItem(STORED + key);
   }
 
-  // What devices say together: axes, buttons, and for each device whether its deadman is pressed.
+  // What devices say together: axes, buttons, for each device that has a deadman whether it is pressed, and the names of
+  // those whose axes are away from their centres.
   read(devices = this.connected()) {
     const said = devices.map((one) => {
       const mapping = this.mapping(one);
-      return { ...one, axes: mappedAxes(one.device, mapping), pressed: mappedButtons(one.device, mapping) };
+      return { ...one, mapping, axes: mappedAxes(one.device, mapping), pressed: mappedButtons(one.device, mapping) };
     });
     return {
       axes: mergeAxes(said.map(({ axes }) => axes)),
       pressed: said.reduce((sum, { pressed }) => pressed.map((down, button) => down || Boolean(sum[button])), []),
-      deadmen: new Map(said.map(({ key, pressed }) => [key, pressed[DEADMAN]])),
+      deadmen: new Map(said.filter(hasDeadman).map(({ key, pressed }) => [key, pressed[DEADMAN]])),
+      aside: said.filter(({ axes }) => axes.some((axis) => axis !== 0)).map(({ name }) => name),
     };
   }
 

@@ -30,7 +30,8 @@ class Hands extends EventTarget {
     this.keyboard = new Keyboard(() => this.update());
     this.number = 0;
     this.pong = 0; // number of the newest answer: by it the server knows how slow the network is
-    this.pads = []; // keys of the gamepads that were there
+    this.pads = []; // keys of the gamepads with a deadman that were there
+    this.aside = ""; // the gamepad that alone is away from its centre
     this.state = ""; // of the last look
     this.sent = { at: -Infinity, state: "", held: false };
     this.asked = new Map(); // number → when [ms]
@@ -87,7 +88,9 @@ class Hands extends EventTarget {
     this.#judge(now);
     const keys = this.keyboard.step((now - this.looked) / 1000);
     this.looked = now;
-    this.axes = mergeAxes([...this.sticks.values(), keys, pads.axes]);
+    const here = mergeAxes([...this.sticks.values(), keys]);
+    this.aside = here.some((axis) => axis !== 0) ? "" : (pads.aside[0] ?? "");
+    this.axes = mergeAxes([here, pads.axes]);
     this.buttons = buttonBits(pads.pressed, this.deadman.held);
     this.#tell(now);
   }

@@ -4,9 +4,9 @@ import { ADVICE, isLateness } from "./late.js";
 
 // By code of `limit` on controller/status: docs/reference/codes.md.
 export const RATE = 1;
-const JOINT = 2;
+const [JOINT, WALL] = [2, 5];
 const LIMITS = [
-  "", "", "", "a singular pose", "the flow of the pumps", "a wall", "",
+  "", "", "", "a singular pose", "the flow of the pumps", "", "",
   "the load: inward, down and sideways are free", "an overload: let go of the deadman, then put the load down", "the joystick's late link",
 ];
 
@@ -35,13 +35,19 @@ export function deadmanState(seat, here) {
   return { state: judged === "held" ? "waiting" : judged, text: "Deadman released" };
 }
 
-const CENTRE = "Let go of sticks and keys";
+const LONGEST_NAME = 30;
 const BACK_TO_LIVE = "Press Back to live to drive.";
 
+// What brings all sticks to their centres. A worn gamepad does not come back by itself.
+function centre({ aside }) {
+  if (!aside) return "Let go of sticks and keys";
+  return `Let go of ${aside.split(" (")[0].slice(0, LONGEST_NAME)}, or calibrate it (Gamepads and joysticks)`;
+}
+
 // What a hand has to let go of first; "" for a hand at rest.
-function letGo({ held, doubted, deflected, grip }) {
+function letGo({ held, doubted, deflected, grip, aside }) {
   if (held || doubted) return `Let go of ${grip}.`;
-  return deflected ? `${CENTRE}.` : "";
+  return deflected ? `${centre({ aside })}.` : "";
 }
 
 // What to do next for the deadman to count: one thing, and none that is done already.
@@ -49,7 +55,7 @@ function deadmanOrder({ deadman }, here) {
   const { held, doubted, deflected, grip } = here;
   if (doubted || (held && deadman.state === "waiting")) return letGo(here);
   if (held) return ""; // the server is about to hear of it
-  if (deflected) return `${CENTRE}: nothing moves without the deadman.`;
+  if (deflected) return `${centre(here)}: nothing moves without the deadman.`;
   if (deadman.state !== "ready") return "";
   return here.plays ? `Hold ${grip}, and leave the sticks alone: the cycle goes on.` : `Hold ${grip}, then move a stick.`;
 }
@@ -81,11 +87,11 @@ export const isHint = (text) => text.startsWith("Hold ") || text.endsWith(BACK_T
 // "" if nothing is in the way; `moves`: a stick would move the tip.
 //
 // seat: the newest message, or null; here: {held, doubted, why} of this page's deadman, {deflected}: a stick or a key is
-// away from its centre, {grip}: what is held here to drive, {often}: hands came too late lately, its id, {you}, and how it
-// lost the server, {lost}, {replays}: it shows a bag, and
-// {plays}: a cycle waits for the deadman; stopped: the emergency stop is active; status: {disarmed}: the controller lets no stick move
-// anything, for more than a moment, factor and limit of controller/status, NaN where unknown, and {axis}: at its limit, ""
-// if nobody knows; cause: why the controller stands still, "" if nobody knows.
+// away from its centre, {aside}: the gamepad that alone is, {grip}: what is held here to drive, {often}: hands came too late
+// lately, its id, {you}, and how it lost the server, {lost}, {replays}: it shows a bag, and {plays}: a cycle waits for the
+// deadman; stopped: the emergency stop is active; status: {disarmed}: the controller lets no stick move anything, for more
+// than a moment, factor and limit of controller/status, NaN where unknown, and {axis}: at its limit, "" if nobody knows;
+// cause: why the controller stands still, "" if nobody knows.
 export function adviceFor(seat, here, stopped, status, cause = "") {
   const said = (text, order = "") => ({ text: sentences(text, order), order, moves: false });
   if (!seat) return said(here.lost || "The page asks for the crane. If this lasts: does scripts/station.sh run?");
@@ -109,10 +115,12 @@ function notHeld(seat, here, said) {
 
 // Centred sticks arm a controller, but not behind a trouble: then the deadman is to be let go.
 function disarmedOrder(here, cause) {
-  return here.deflected && !cause ? letGo({ deflected: true }) : letGo(here);
+  return here.deflected && !cause ? letGo({ deflected: true, aside: here.aside }) : letGo(here);
 }
 
+// A wall takes away the speed towards it, and no share of the rest: its factor is 1.
 function slowedText({ factor, limit, axis }) {
+  if (limit === WALL) return "Held back by a wall: along it and away from it the tip is free.";
   const percent = Math.round(100 * factor);
   if (!(percent < 100)) return "";
   const held = percent === 0 ? "Held back" : `Slowed to ${percent} %`;

@@ -91,7 +91,9 @@ class Device {
     deadzone.value = entry?.deadzone ?? "";
     deadzone.setAttribute("aria-label", `${name}: deadzone`);
     deadzone.onchange = () => this.#setAxis(axis, { ...entry, deadzone: deadzone.valueAsNumber });
-    return make("tr", {}, ...[DOES[axis], from, invert, deadzone, this.meters[axis]].map((part) => make("td", {}, part)));
+    const inverted = make("label", {}, invert, " invert");
+    deadzone.title = "deadzone";
+    return make("tr", {}, ...[DOES[axis], from, inverted, deadzone, this.meters[axis]].map((part) => make("td", {}, part)));
   }
 
   #parts() {

@@ -2,7 +2,7 @@
 
 import { placed } from "./placing.js";
 
-const OVER = ":scope > :is(.views, .legend, .rate, #first_minute)"; // what lies over the picture, too
+const OVER = "#scene > :is(.views, .legend, .rate, #first_minute), #sticks :is(.stick, .hold)"; // may lie over the picture, too
 
 export class Labels {
   constructor(element) {
@@ -14,9 +14,10 @@ export class Labels {
   // Remembers sizes and what is taken: to ask for it between two writes would lay the page out anew each time.
   resize() {
     this.size = { width: this.element.clientWidth, height: this.element.clientHeight };
-    this.taken = [...this.element.parentElement.querySelectorAll(OVER)].map((part) => {
-      const { offsetLeft: left, offsetTop: top, offsetWidth: wide, offsetHeight: high } = part;
-      return [left, top, left + wide, top + high];
+    const { left: x, top: y } = this.element.getBoundingClientRect();
+    this.taken = [...document.querySelectorAll(OVER)].map((part) => {
+      const { left, top, right, bottom } = part.getBoundingClientRect();
+      return [left - x, top - y, right - x, bottom - y];
     });
   }
 
