@@ -98,6 +98,7 @@ def test_what_presses_the_air_is_what_the_simulators_oil_gives_way(pressure):
 def test_air_that_is_pressed_lacks_nothing_and_oil_without_air_never_does():
     air = free_air(FORWARDER, 0)
     assert air.loose == pytest.approx(1300.0 / P.axes[0].displacement_1)
+    assert free_air(FORWARDER, 2).loose == pytest.approx(2400.0 / P.axes[2].displacement_2)
     assert lacking_oil(air.loose, air) == lacking_oil(5e6, air) == 0.0
     assert lacking_oil(-1e5, air) == lacking_oil(0.0, air) > 0.0
     assert free_air(replace(FORWARDER, oil=replace(FORWARDER.oil, air=None)), 0) == FreeAir()
