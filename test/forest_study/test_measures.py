@@ -103,6 +103,25 @@ def test_a_tip_that_does_not_get_there_loses_the_time_up_to_the_end():
     assert time_lost(path, profile, times, tips) == pytest.approx(times[-1] - 5.0, abs=1e-6)
 
 
+def test_a_tip_that_goes_back_for_three_periods_is_there_when_it_stays(path):
+    profile = profile_of(path)
+    times = times_of(profile)
+    ways = profile.ways_at(times)
+    back = np.flatnonzero(ways > path.length - 0.1 * NEAR)[0] + 3
+    ways[back : back + 3] = path.length - 2.0 * NEAR
+    tips = np.array([path.at(s) for s in ways.tolist()])
+    expected = times[back + 2] - np.interp(path.length - NEAR, profile.way, profile.time)
+    assert time_lost(path, profile, times, tips) == pytest.approx(expected, abs=PERIOD)
+
+
+def test_a_tip_that_stays_at_a_circles_start_is_not_at_its_end():
+    path = PATHS["circle_v"]
+    profile = profile_of(path)
+    times = times_of(profile)
+    tips = np.tile(path.at(0.0), (len(times), 1))
+    assert time_lost(path, profile, times, tips) == pytest.approx(times[-1], abs=1e-6)
+
+
 def test_what_is_beside_the_path_costs_no_time_and_is_all_cross_track():
     path = PATHS["sweep"]
     profile = profile_of(path)

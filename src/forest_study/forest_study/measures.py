@@ -26,6 +26,7 @@ from forest_description.types import Floats
 STEP = 1e-3  # [m] between the points of a path as a line: an arc of 0.1 m is 1 um beside it
 NEAR = 0.01  # [m] of way to a path's end, from which the tip counts as there: profiles end in no speed
 SLIP = 0.05  # [m] by which the place beside the tip may move in a period, at the most
+COARSE = 10  # [1] periods between the rows that are looked at far from a path's end
 
 
 class Deviation(NamedTuple):
@@ -66,7 +67,11 @@ def time_lost(path: TipPath, profile: Profile, times: Floats, tips: Floats) -> f
     begin, end = path.stops[-2], path.stops[-1]
     there = end - min(NEAR, 0.5 * (end - begin))
     last = times >= np.interp(begin, profile.way, profile.time)  # rows of the path's last stretch
-    times, ways = times[last], _ways_beside(path, begin, end, tips[last])
+    times, tips = times[last], tips[last]
+    rough = _ways_beside(path, (begin, end), begin, tips[::COARSE], COARSE * SLIP)
+    early = np.flatnonzero(rough < there)
+    first, way = (COARSE * int(early[-1]), float(rough[early[-1]])) if len(early) else (0, begin)
+    times, ways = times[first:], _ways_beside(path, (begin, end), way, tips[first:], SLIP)
     short = np.flatnonzero(ways < there)
     if len(short) == 0:
         return float(times[0] - np.interp(there, profile.way, profile.time))
@@ -78,18 +83,20 @@ def time_lost(path: TipPath, profile: Profile, times: Floats, tips: Floats) -> f
     return float(passed - np.interp(there, profile.way, profile.time))
 
 
-def _ways_beside(path: TipPath, begin: float, end: float, tips: Floats) -> Floats:
+def _ways_beside(
+    path: TipPath, stretch: tuple[float, float], way: float, tips: Floats, slip: float
+) -> Floats:
     """Return the ways [N] m at which a stretch of a path is beside tips [N, 3] m that go along it.
 
-    It is followed from the stretch's beginning, so that a circle's end is not taken for its start. One of
-    Newton's steps a row is enough, as for the player of taught work.
+    It is followed from a way [m] on, by at most a slip [m] a row, so that a circle's end is not taken for its
+    start. One of Newton's steps a row is enough, as for the player of taught work.
     """
-    found, way = [], begin
+    (begin, end), found = stretch, []
     for x, y, z in tips.tolist():
         a, b = max(begin, way - 0.5 * STEP), min(end, way + 0.5 * STEP)
         here, there = path.at(a), path.at(b)
         at, along = path.at(way), (there[0] - here[0], there[1] - here[1], there[2] - here[2])
         ahead = (x - at[0]) * along[0] + (y - at[1]) * along[1] + (z - at[2]) * along[2]
-        way = max(begin, min(end, way + max(-SLIP, min(SLIP, ahead / (b - a)))))
+        way = max(begin, min(end, way + max(-slip, min(slip, ahead / (b - a)))))
         found.append(way)
     return np.array(found)

@@ -14,6 +14,7 @@ from forest_description.machine import load_machine
 from forest_ident.measurements.readings import valve_pressures
 from forest_sim.equations.plant_parameters import plant_parameters
 from forest_sim.equations.valve_ports import valve_ports
+from forest_sim.hydraulics.command_history import held
 from forest_sim.hydraulics.port import port_flow, port_pressure
 from forest_sim.solver.equilibrium import equilibrium
 from forest_sim.solver.integrator import spools_after
@@ -76,7 +77,7 @@ def test_a_boom_creeps_up_on_what_leaks_into_its_head_side_while_its_spool_is_in
     machine = dataclasses.replace(C180, pump=IdealPump(SUPPLY), valve=VALVE, port_valves=None)
     p, volts = plant_parameters(machine), (0.0, 0.9, 0.0)
     now = equilibrium(START, p)
-    now = now._replace(spools=spools_after(now.spools, volts, 10.0, p))
+    now = now._replace(spools=spools_after(now.spools, held(volts), 10.0, p))
     now = advance(now, volts, 1e-3, 20_000, p)
     later = advance(now, volts, 1e-3, 5000, p)
     begin, end = now.plant.boom, later.plant.boom

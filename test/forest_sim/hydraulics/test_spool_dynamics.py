@@ -9,6 +9,7 @@ from scipy.integrate import solve_ivp
 
 from forest_description.machine import load_machine
 from forest_sim.equations.plant_parameters import plant_parameters
+from forest_sim.hydraulics.command_history import held
 from forest_sim.hydraulics.spool_dynamics import CENTRED, STUCK, Spool, SpoolLag, spool_after, spool_lag
 from forest_sim.solver.integrator import spools_after
 
@@ -100,11 +101,11 @@ def test_one_stuck_spool_of_three_leaves_the_others_free():
     p = plant_parameters(C180)
     stuck = p._replace(valves=(p.valves[0], p.valves[1]._replace(lag=STUCK), p.valves[2]))
     spools = (CENTRED, Spool(4.0, 0.0), CENTRED)
-    after = spools_after(spools, (5.0, -5.0, 5.0), 10.0, stuck)
+    after = spools_after(spools, held((5.0, -5.0, 5.0)), 10.0, stuck)
     assert [spool.position for spool in after] == pytest.approx([5.0, 4.0, 5.0])
 
 
 def test_spools_end_at_the_rated_voltage_in_both_directions():
     p = plant_parameters(C180)
-    ends = spools_after((CENTRED,) * 3, (80.0, -80.0, 9.0), 10.0, p)
+    ends = spools_after((CENTRED,) * 3, held((80.0, -80.0, 9.0)), 10.0, p)
     assert [spool.position for spool in ends] == pytest.approx([10.0, -10.0, 9.0])

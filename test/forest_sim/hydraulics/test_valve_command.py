@@ -13,7 +13,7 @@ from forest_sim.hydraulics.command_history import AGED, NO_COMMANDS, SIZE, after
 from forest_sim.hydraulics.spool_dynamics import CENTRED, Spool, SpoolLag, behind_play, spool_after
 from forest_sim.solver.compiled_plant import FlatPlant, compiled_record
 from forest_sim.solver.equilibrium import equilibrium
-from forest_sim.solver.integrator import advance
+from forest_sim.solver.integrator import advance, spools_after
 from forest_sim.solver.state_recording import STATE, record, store
 
 REAL = load_machine("c180")
@@ -115,7 +115,8 @@ def test_held_voltages_act_a_dead_time_later_to_the_step(step, dead_times):
     history, acted = NO_COMMANDS, []
     for voltages in given.tolist():
         acting, history = after_dead_time(history, tuple(voltages), step, dead_times)
-        acted.append(acting)
+        acted.append([one.voltage for one in acting])
+        assert not any(one.change for one in acting)
     for axis, dead_time in enumerate(dead_times):
         late = round(dead_time / step)
         expected = np.concatenate([np.zeros(late), given[: len(given) - late, axis]])
@@ -128,7 +129,7 @@ def test_a_voltage_that_changes_in_every_step_is_late_by_its_dead_time_up_to_ele
         history, acted = NO_COMMANDS, []
         for voltages in given.tolist():
             acting, history = after_dead_time(history, tuple(voltages), 1e-3, (1e-3 * late,) * 3)
-            acted.append(acting)
+            acted.append([one.voltage for one in acting])
         assert np.array_equal(np.array(acted)[late:], given[:-late])
 
 
@@ -138,7 +139,7 @@ def test_changes_too_many_to_keep_are_sampled_and_the_last_one_is_never_lost():
     history, acted = NO_COMMANDS, []
     for voltage in given:
         acting, history = after_dead_time(history, (float(voltage), 0.0, 0.0), 1e-3, (dead_time,) * 3)
-        acted.append(acting[0])
+        acted.append(acting[0].voltage)
     expected = np.interp(time - dead_time, time, given, left=0.0)
     period = dead_time / (SIZE - 1) + 1e-3
     smooth = time < 0.4
@@ -147,25 +148,36 @@ def test_changes_too_many_to_keep_are_sampled_and_the_last_one_is_never_lost():
     assert max(history.ages) <= AGED
 
 
-def test_dead_time_play_slew_and_lag_together_are_their_composition():
+@pytest.mark.parametrize("step", [1e-3, 2.5e-3, 5e-3])
+def test_dead_time_play_slew_and_lag_together_are_their_composition(step):
     """Beside them written apart: a delayed row, the play and the limited lag in steps of 2 us."""
-    lag, dead_time = plant_parameters(REAL).valves[1].lag, REAL.valve.dead_time
-    given = np.repeat(np.random.default_rng(6).uniform(-9, 9, 12), 25)
-    history, spool, ours = NO_COMMANDS, CENTRED, []
+    p, dead_time = plant_parameters(REAL), REAL.valve.dead_time
+    given = np.repeat(np.random.default_rng(6).uniform(-9, 9, 12), round(0.025 / step))
+    history, spools, ours = NO_COMMANDS, (CENTRED,) * 3, []
     for voltage in given.tolist():
-        acting, history = after_dead_time(history, (0.0, voltage, 0.0), 1e-3, (0.0, dead_time, 0.0))
-        spool = spool_after(spool, acting[1], 1e-3, lag)
-        ours.append(spool.position)
+        acting, history = after_dead_time(history, (0.0, voltage, 0.0), step, (0.0, dead_time, 0.0))
+        spools = spools_after(spools, acting, step, p)
+        ours.append(spools[1].position)
     position = target = 0.0
     theirs, fine = [], 2e-6
-    for k in range(round(len(given) * 1e-3 / fine)):
+    for k in range(round(len(given) * step / fine)):
         late = k * fine - dead_time
-        voltage = given[int(late / 1e-3 + 1e-6)] if late >= 0.0 else 0.0
+        voltage = given[int(late / step + 1e-6)] if late >= 0.0 else 0.0
         target = min(max(target, voltage - 0.2), voltage + 0.2)
         position += fine * float(np.clip(2.0 * np.pi * 12.0 * (target - position), -250.0, 250.0))
-        if (k + 1) % 500 == 0:
+        if (k + 1) % round(step / fine) == 0:
             theirs.append(position)
     np.testing.assert_allclose(ours, theirs, atol=2e-3)
+
+
+def test_a_stage_before_the_change_does_not_see_it():
+    p, dead_time = plant_parameters(REAL), (0.0, 8e-3, 0.0)
+    _, history = after_dead_time(NO_COMMANDS, (0.0, 9.0, 0.0), 5e-3, dead_time)
+    acting, _ = after_dead_time(history, (0.0, 9.0, 0.0), 5e-3, dead_time)
+    assert acting[1] == pytest.approx((0.0, 3e-3, 9.0))
+    before, since = (spools_after((CENTRED,) * 3, acting, time, p)[1].position for time in (2.9e-3, 4e-3))
+    assert before == 0.0
+    assert since == pytest.approx(250.0 * 1e-3)
 
 
 def driven(machine, seed=8, steps=600):

@@ -12,6 +12,7 @@ from forest_description.machine import load_machine
 from forest_description.mechanics.drives import Friction
 from forest_sim.analysis.friction_linearisation import axes_with_friction, with_pressed_seals
 from forest_sim.equations.plant_parameters import plant_parameters
+from forest_sim.hydraulics.command_history import held
 from forest_sim.mechanics.friction import friction, friction_force, pressed
 from forest_sim.solver.equilibrium import equilibrium
 from forest_sim.solver.integrator import spools_after
@@ -98,7 +99,7 @@ def test_steps_converge_with_order_two():
     seals = Friction(4e3, 7e3, 0.02, 2e-3, 4e-4)
     p = plant_parameters(with_seals(seals, machine))
     begin = advance(equilibrium(START, p), volts, 1e-3, 250, p)
-    begin = begin._replace(spools=spools_after(begin.spools, volts, 100.0, p))
+    begin = begin._replace(spools=spools_after(begin.spools, held(volts), 100.0, p))
     truth = reference(begin, p, 0.2)
     errors = [np.linalg.norm(pack(advance(begin, volts, 0.2 / n, n, p).plant) - truth) for n in (200, 400)]
     assert errors[0] < 2e-5

@@ -22,6 +22,7 @@ from forest_description.hydraulics.valve_parameters import BackwardValve
 from forest_sim.equations.plant import state_derivative
 from forest_sim.equations.plant_parameters import plant_parameters
 from forest_sim.equations.valve_ports import ports_at
+from forest_sim.hydraulics.command_history import held
 from forest_sim.solver.compiled_plant import compiled_advance
 from forest_sim.solver.equilibrium import equilibrium
 from forest_sim.solver.integrator import GAMMA, spools_after, step
@@ -41,7 +42,7 @@ def in_motion(machine, voltages, seconds=0.25):
     """A machine under way, its spools where the voltages hold them."""
     p = plant_parameters(machine)
     now = advance(equilibrium(START, p), voltages, 1e-3, round(1000 * seconds), p)
-    return p, now._replace(spools=spools_after(now.spools, voltages, 100.0, p))
+    return p, now._replace(spools=spools_after(now.spools, held(voltages), 100.0, p))
 
 
 @each_case

@@ -12,6 +12,7 @@ from forest_sim.equations.appendix_b import from_array, thesis_state_derivative,
 from forest_sim.equations.plant import state_derivative
 from forest_sim.equations.plant_parameters import plant_parameters
 from forest_sim.equations.valve_ports import valve_ports
+from forest_sim.hydraulics.command_history import held
 from forest_sim.hydraulics.port import is_shut
 from forest_sim.hydraulics.spool_dynamics import Spool
 from forest_sim.solver.compiled_plant import compiled_advance
@@ -190,11 +191,11 @@ def test_full_swing_speed_balances_orifices_hoses_and_damping():
 
 def test_spool_lag_is_the_exact_first_order_response():
     begin = (Spool(0.0, 0.0), Spool(2.0, 0.0), Spool(-1.0, 0.0))
-    spools = spools_after(begin, (10.0, 0.0, 3.0), 0.01, plant_parameters(C180))
+    spools = spools_after(begin, held((10.0, 0.0, 3.0)), 0.01, plant_parameters(C180))
     keep = math.exp(-2 * math.pi * 12.0 * 0.01)
     expected = (10.0 * (1 - keep), 2.0 * keep, 3.0 - 4.0 * keep)
     np.testing.assert_allclose([spool.position for spool in spools], expected, rtol=1e-12)
-    at_once = spools_after(begin, (10.0, 0.0, 3.0), 1e-6, plant_parameters(THESIS))
+    at_once = spools_after(begin, held((10.0, 0.0, 3.0)), 1e-6, plant_parameters(THESIS))
     assert [spool.position for spool in at_once] == [10.0, 0.0, 3.0]
 
 

@@ -20,7 +20,7 @@ from forest_description.machine import load_machine
 from forest_msgs_py.types import PERIOD
 from forest_sim.equations.plant_parameters import plant_parameters
 from forest_sim.sensors.sensor_faults import parse_faults
-from forest_sim.sensors.sensor_suite import sensor_suite
+from forest_sim.sensors.sensor_suite import draw, noise_generator, sensor_suite
 from forest_sim.simulation.load_schedule import Load, loaded
 from forest_study.closed_loop import closed_loop, compiled_loop, loop_core, loop_kernel
 from forest_study.closed_loop.closed_loop import Operator
@@ -86,11 +86,12 @@ def test_so_is_another_machine_than_believed_with_slow_sensors_and_none():
     assert_same(controller_settings.Settings(), drive, C180, other, seed=3)
 
 
-def test_the_core_interpreted_is_the_core_compiled():
+@pytest.mark.parametrize("substeps", [1, 2, 5])
+def test_the_core_interpreted_is_the_core_compiled(substeps):
     suite, table = sensor_suite(C180, noise=True, seed=4), hand(4)[20:32]
     settings, drive = controller_settings.Settings(), valve_driver_parameters.Settings()
-    fast = compiled_loop.run(C180, table, START, settings, drive, suite=suite)
-    k = loop_kernel.knowledge(C180, C180, settings, drive, suite)
+    fast = compiled_loop.run(C180, table, START, settings, drive, suite=suite, substeps=substeps)
+    k = loop_kernel.knowledge(C180, C180, settings, drive, suite, substeps)
     loop, normals = (
         loop_kernel.begin(k, START, suite),
         compiled_loop.draws(suite, len(table)).ravel().tolist(),
@@ -100,6 +101,21 @@ def test_the_core_interpreted_is_the_core_compiled():
         assert happened.command == tuple(fast.commands[row])
         assert happened.tip == tuple(fast.tip[row])
         assert happened.pressures == tuple(fast.pressures[row])
+
+
+def test_a_run_in_longer_steps_is_another_one_that_ends_where_the_finest_does():
+    found = {n: compiled_loop.prepared(C180, hand(6), START, *USUAL, substeps=n).run() for n in (2, 5, 20)}
+    away = [np.abs(found[n].angles - found[20].angles).max() for n in (2, 5)]
+    assert 0.0 < away[1] < away[0] < 3e-4
+
+
+def test_runs_of_one_seed_share_their_noise_which_no_one_may_change():
+    suite = sensor_suite(C180, noise=True, seed=5)
+    drawn, generator = compiled_loop.draws(suite, 100), noise_generator(suite)
+    assert drawn is compiled_loop.draws(suite, 100)
+    assert not drawn.flags.writeable
+    assert drawn[:3].tolist() == [draw(generator).normal for _ in range(3)]
+    assert (compiled_loop.draws(suite._replace(seed=6), 100) != drawn).all()
 
 
 def test_a_log_that_is_grasped_and_dropped_on_the_way_is_the_interpreted_loops():

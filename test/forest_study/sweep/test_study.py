@@ -58,6 +58,8 @@ def test_a_number_of_the_machine_may_be_a_list_with_its_unit(read):
         ("with: {paht: sweep}", "paht: not a key of this kind; allowed: machine, model, path"),
         ("with: {speed: 7}", "0.01 .. 3 m/s"),
         ("with: {path: nowhere}", "no path of this name"),
+        ("with: {step: 0.002}", "step is 0.002 s; allowed: 0.005 s over a whole number"),
+        ("vary: {step: [0.001, 0.01]}", "0.00025 .. 0.005 s"),
         ("with: {machine: c181}", "no machine named 'c181'"),
         ("with: {speed: 0.5}\nvary: {speed: [0.4]}", "vary.speed stands under with, too"),
         ("vary: {speed: [0.4, 0.4]}", "has a value twice"),

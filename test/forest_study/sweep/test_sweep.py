@@ -52,6 +52,13 @@ def test_a_runs_figures_are_those_of_track():
     assert {key: found[key] for key in expected.total._fields} == expected.total._asdict()
 
 
+def test_a_studys_step_is_that_of_the_simulated_machine():
+    case = {"machine": "c180_hoses", "path": "vertical", "speed": 1.0}
+    usual, same, longer = (tracked({**case, **more}, 7) for more in ({}, {"step": 0.001}, {"step": 0.005}))
+    assert same == usual
+    assert 0.0 < abs(longer["cross_track_rms_mm"] - usual["cross_track_rms_mm"]) < 0.1
+
+
 def test_a_plant_that_the_controller_does_not_know_is_another_case_than_a_machine_that_it_knows():
     case = {"machine": "c180_hoses", "path": "vertical", "speed": 1.5, "noise": False}
     key = "valve.deadband_voltage"

@@ -50,7 +50,7 @@ class Interpreted(NamedTuple):
         return compiled_loop.lead_interpreted(self.loop, C180.manipulator.links, places, hand, self.rows)
 
 
-def interpreted(machine, rows, start, control, drive, model, suite, plant):
+def interpreted(machine, rows, start, control, drive, model, suite, plant, _substeps):
     believed = (
         controller_settings.parameters(model, control),
         valve_driver_parameters.parameters(model, drive),

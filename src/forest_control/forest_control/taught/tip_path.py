@@ -168,13 +168,17 @@ def cross_track_distance(line: Floats, places: Floats) -> Floats:
     """
     fresh = np.linalg.norm(np.diff(line, axis=0), axis=1) > 0.0
     line = line[np.concatenate([[True], fresh])]
-    nearest = scipy.spatial.cKDTree(line).query(places, k=range(1, min(NEIGHBOURS, len(line)) + 1))[1]
-    starts = np.clip(np.hstack([nearest - 1, nearest]), 0, max(0, len(line) - 2))
-    piece = line[np.minimum(starts + 1, len(line) - 1)] - line[starts]
-    since = places[:, None] - line[starts]
-    size = np.maximum(np.sum(piece**2, axis=2), np.finfo(float).tiny)
-    share = np.clip(np.sum(since * piece, axis=2) / size, 0.0, 1.0)
-    away: Floats = np.linalg.norm(since - share[:, :, None] * piece, axis=2).min(axis=1)
+    tree = scipy.spatial.cKDTree(line, balanced_tree=False)  # evenly spaced points need no medians
+    nearest = tree.query(places, k=range(1, min(NEIGHBOURS, len(line)) + 1))[1]
+    corners, tips = np.ascontiguousarray(line.T), np.ascontiguousarray(places.T)
+    pieces = np.diff(corners, axis=1) if len(line) > 1 else np.zeros((3, 1))
+    square: Floats = np.full(len(places), np.inf)
+    for start in np.clip(np.hstack([nearest - 1, nearest]), 0, pieces.shape[1] - 1).T:
+        piece, since = pieces.take(start, axis=1), tips - corners.take(start, axis=1)
+        size = np.maximum(np.sum(piece**2, axis=0), np.finfo(float).tiny)
+        since -= np.clip(np.sum(since * piece, axis=0) / size, 0.0, 1.0) * piece
+        square = np.minimum(square, np.sum(since**2, axis=0))
+    away: Floats = np.sqrt(square)
     return away
 
 

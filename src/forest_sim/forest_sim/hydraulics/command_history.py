@@ -1,7 +1,7 @@
 """Dead time of the valves' electronics and pilot stages: a voltage acts later, and stays what it is.
 
-What the valves were given is kept as its last changes. A voltage acts in the step whose middle is
-nearest to its dead time: exact where the dead time is a whole number of steps.
+What the valves were given is kept as its last changes. The last of them that begins to act within a step
+begins at its own time there; one before it within the same step is passed over.
 
 The history has `SIZE` places for the longest dead time T of the three. Changes nearer than
 T/(SIZE - 1) are not all kept: the valve samples its input at that period. A voltage held for
@@ -28,9 +28,20 @@ class CommandHistory(NamedTuple):
 
 
 class Acting(NamedTuple):
+    """What acts on a spool in a step."""
+
+    before: float  # [V] up to the change
+    change: float  # [s] from the step's beginning; 0: there is none
+    voltage: float  # [V] from the change on
+
+
+AllActing = tuple[Acting, Acting, Acting]
+
+
+class Delayed(NamedTuple):
     """What acts on the spools in a step, and the history after it."""
 
-    voltages: Vec3  # [V]
+    acting: AllActing
     history: CommandHistory
 
 
@@ -39,13 +50,22 @@ _LONG_AGO: Row = (AGED, AGED, AGED, AGED, AGED, AGED, AGED, AGED, AGED, AGED, AG
 NO_COMMANDS = CommandHistory(_LONG_AGO, _ZEROS, _ZEROS, _ZEROS)
 
 
+def held(voltages: Vec3) -> AllActing:
+    """Return what acts on the spools while they follow voltages [V] at once."""
+    return (
+        Acting(voltages[0], 0.0, voltages[0]),
+        Acting(voltages[1], 0.0, voltages[1]),
+        Acting(voltages[2], 0.0, voltages[2]),
+    )
+
+
 def held_commands(voltages: Vec3) -> CommandHistory:
     """Return the history of voltages [V] that have been held for long."""
     one, two, three = ((v, v, v, v, v, v, v, v, v, v, v, v) for v in voltages)
     return CommandHistory(_LONG_AGO, one, two, three)
 
 
-def after_dead_time(history: CommandHistory, voltages: Vec3, step: float, dead_times: Vec3) -> Acting:
+def after_dead_time(history: CommandHistory, voltages: Vec3, step: float, dead_times: Vec3) -> Delayed:
     """Return what acts on the spools in a step.
 
     Args:
@@ -60,7 +80,7 @@ def after_dead_time(history: CommandHistory, voltages: Vec3, step: float, dead_t
         _acting(history.ages, history.boom, voltages[1], step, dead_times[1]),
         _acting(history.ages, history.stick, voltages[2], step, dead_times[2]),
     )
-    return Acting(
+    return Delayed(
         acting, CommandHistory(_aged(history.ages, step), history.swing, history.boom, history.stick)
     )
 
@@ -78,14 +98,17 @@ def _with_change(h: CommandHistory, voltages: Vec3, longest: float) -> CommandHi
     )
 
 
-def _acting(ages: Row, given: Row, voltage: float, step: float, dead_time: float) -> float:
-    """Return the voltage that was given a dead time before the middle of a step [V]."""
+def _acting(ages: Row, given: Row, voltage: float, step: float, dead_time: float) -> Acting:
+    """Return what was given a dead time before a step's end [V], since when, and what before."""
     if dead_time == 0.0:
-        return voltage
+        return Acting(voltage, 0.0, voltage)
     k = 0
-    while k < SIZE - 1 and ages[k] + 0.5 * step < dead_time:
+    while k < SIZE - 1 and ages[k] + step <= dead_time + ROUNDING:
         k += 1
-    return given[k]
+    change = dead_time - ages[k]
+    if k == SIZE - 1 or change <= ROUNDING:
+        return Acting(given[k], 0.0, given[k])
+    return Acting(given[k + 1], change, given[k])
 
 
 def _pushed(new: float, r: Row) -> Row:

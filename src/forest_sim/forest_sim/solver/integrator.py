@@ -18,7 +18,15 @@ from forest_sim.equations.multibody import HeadState
 from forest_sim.equations.plant import AxisState, PlantState
 from forest_sim.equations.plant_parameters import PlantParameters, SpoolValve
 from forest_sim.equations.valve_ports import Ports, has_poppets, is_compensated, ports_at, with_tank
-from forest_sim.hydraulics.command_history import NO_COMMANDS, Acting, CommandHistory, after_dead_time
+from forest_sim.hydraulics.command_history import (
+    NO_COMMANDS,
+    Acting,
+    AllActing,
+    CommandHistory,
+    Delayed,
+    after_dead_time,
+    held,
+)
 from forest_sim.hydraulics.flow_force import NO_JETS, AllJets
 from forest_sim.hydraulics.hydraulic_line import PortGuard
 from forest_sim.hydraulics.load_holding import AllLifts, lifts_along
@@ -90,7 +98,7 @@ def parts(p: PlantParameters) -> int:
 def step_by_stages(simulation: Simulation, voltages: Vec3, h: float, p: PlantParameters) -> Step:
     """Make one undivided step, and return both stages, too: what passes in a step is a sum over them."""
     plant, c = simulation.plant, GAMMA * h
-    acting, history = _acting(simulation.history, voltages, h, p)
+    acting, history = _delayed(simulation.history, voltages, h, p)
     midpoint = with_jets(simulation.midpoint, plant, simulation.spools, p)
     middle = spools_after(simulation.spools, acting, c, p, midpoint.jets)
     end = spools_after(simulation.spools, acting, h, p, midpoint.jets)
@@ -166,11 +174,11 @@ def _lifts_by_stage(before: AllLifts, midpoint: AllLifts, p: PlantParameters) ->
     return lifts_along(before, midpoint, 0.5 + GAMMA), lifts_along(before, midpoint, 1.5)
 
 
-def _acting(history: CommandHistory, voltages: Vec3, h: float, p: PlantParameters) -> Acting:
-    """Return the voltages that act on the spools in a step: those given, or those of a dead time ago [V]."""
+def _delayed(history: CommandHistory, voltages: Vec3, h: float, p: PlantParameters) -> Delayed:
+    """Return what acts on the spools in a step: the voltages given [V], or those of a dead time ago."""
     late = p.valves[0].lag.dead_time, p.valves[1].lag.dead_time, p.valves[2].lag.dead_time
     if late[0] + late[1] + late[2] == 0.0:
-        return Acting(voltages, history)
+        return Delayed(held(voltages), history)
     return after_dead_time(history, voltages, h, late)
 
 
@@ -217,19 +225,23 @@ def advance(simulation: Simulation, voltages: Vec3, h: float, count: int, p: Pla
 
 
 def spools_after(
-    spools: Spools, voltages: Vec3, time: float, p: PlantParameters, jets: AllJets = NO_JETS
+    spools: Spools, acting: AllActing, time: float, p: PlantParameters, jets: AllJets = NO_JETS
 ) -> Spools:
-    """Return the spools after a time [s] under held voltages [V]; they end at the rated one."""
+    """Return the spools after a time [s] of a step; they end at the rated voltage."""
     return (
-        _spool_after(spools[0], voltages[0], time, p.valves[0], jets[0].push),
-        _spool_after(spools[1], voltages[1], time, p.valves[1], jets[1].push),
-        _spool_after(spools[2], voltages[2], time, p.valves[2], jets[2].push),
+        _spool_after(spools[0], acting[0], time, p.valves[0], jets[0].push),
+        _spool_after(spools[1], acting[1], time, p.valves[1], jets[1].push),
+        _spool_after(spools[2], acting[2], time, p.valves[2], jets[2].push),
     )
 
 
-def _spool_after(spool: Spool, voltage: float, time: float, valve: SpoolValve, push: float) -> Spool:
-    rated = valve.law.forward.rated_voltage
-    return spool_after(spool, max(-rated, min(rated, voltage)), time, valve.lag, push)
+def _spool_after(spool: Spool, acting: Acting, time: float, valve: SpoolValve, push: float) -> Spool:
+    rated, rest = valve.law.forward.rated_voltage, time
+    voltage = acting.voltage if acting.change < time else acting.before
+    if 0.0 < acting.change < time:
+        spool = spool_after(spool, max(-rated, min(rated, acting.before)), acting.change, valve.lag, push)
+        rest = time - acting.change
+    return spool_after(spool, max(-rated, min(rated, voltage)), rest, valve.lag, push)
 
 
 def _count(

@@ -43,7 +43,7 @@ from forest_sim.solver import integrator
 from forest_sim.solver.integrator import Simulation
 from forest_study.closed_loop.link_model import Reports, reported
 
-SUBSTEPS = 5  # of 1 ms
+SUBSTEPS = 5  # of 1 ms, unless a study chooses other ones
 
 
 def guard_of(suite: Suite) -> PermissionParameters:
@@ -82,6 +82,7 @@ class Knowledge(NamedTuple):
     control: controller_settings.Parameters
     drive: valve_driver_parameters.Parameters
     guard: PermissionParameters
+    substeps: int = SUBSTEPS  # of the machine, to a period
 
 
 class Happened(NamedTuple):
@@ -140,8 +141,8 @@ def moved(
     pressures, motion = driver_inputs(seen, k.drive.idle_pressure)
     drive, volts = valve_driver.step(loop.drive, control.command, pressures, motion, k.drive, PERIOD)
     simulation = loop.simulation
-    for _ in range(SUBSTEPS):
-        simulation = integrator.step(simulation, volts, PERIOD / SUBSTEPS, k.sensors.plant)
+    for _ in range(k.substeps):
+        simulation = integrator.step(simulation, volts, PERIOD / k.substeps, k.sensors.plant)
     happened = Happened(
         angles=angles,
         tip=tip_position(angles, k.links),

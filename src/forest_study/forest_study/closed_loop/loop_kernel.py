@@ -40,6 +40,7 @@ def knowledge(
     control: controller_settings.Settings,
     drive: valve_driver_parameters.Settings,
     suite: Suite,
+    substeps: int = loop_core.SUBSTEPS,
 ) -> Knowledge:
     """Return all that stays in a run."""
     return Knowledge(
@@ -48,6 +49,7 @@ def knowledge(
         control=controller_settings.parameters(model, control),
         drive=valve_driver_parameters.parameters(model, drive),
         guard=loop_core.guard_of(suite),
+        substeps=substeps,
     )
 
 

@@ -14,17 +14,21 @@ from forest_control.servo.schemes import LABELS, scheme_named
 from forest_control.valve import valve_driver_parameters
 from forest_description.machine import Machine, load_machine
 from forest_msgs_py.runtime.parameter_table import Parameter
+from forest_msgs_py.types import PERIOD
 from forest_study.closed_loop import model_mismatch
+from forest_study.closed_loop.loop_core import SUBSTEPS
 from forest_study.diagnosis.detection_figures import diagnosed
 from forest_study.diagnosis.faults import CASES, HEALTH
 from forest_study.latency import placing
 from forest_study.log_work import crane, person, site, trial, trial_measures
+from forest_study.results import StudyError
 from forest_study.sweep.changes import changed_machine, changed_settings
 from forest_study.tracking.paths import path_named
 from forest_study.tracking.tracking import Course, follow, noisy, prepare
 
 Case = Mapping[str, Any]  # values by key; machines' numbers in SI
 Figures = dict[str, float]
+ROUNDING = 1e-9  # [s] of a period that is told as so many steps
 TIP_SCHEMES = tuple(label for label in LABELS if label != "joint")
 
 
@@ -39,6 +43,7 @@ class TrackKeys(NamedTuple):
     laps: Annotated[int, Parameter("of the path; all are judged", low=1, high=1000)] = 1
     noise: Annotated[bool, Parameter("simulate the sensors' noise")] = True
     mismatch: Annotated[str, Parameter("ranges from which a seed's machine is drawn; empty: none")] = ""
+    step: Annotated[float, Parameter("of the simulated machine", "s", 2.5e-4, PERIOD)] = PERIOD / SUBSTEPS
 
 
 class PlacingKeys(NamedTuple):
@@ -106,9 +111,22 @@ def _course(
     model = changed_machine(load_machine(keys.model or keys.machine), dict(machine))
     course = prepare(path_named(keys.path), keys.speed, scheme_named(keys.scheme), model, keys.laps)
     return course._replace(
+        substeps=_substeps(keys.step),
         settings=changed_settings(course.settings, dict(control)),
         drive=changed_settings(course.drive, dict(drive)),
     )
+
+
+def _substeps(step: float) -> int:
+    """Return how many steps [s] a period has.
+
+    Raises:
+        StudyError: not a whole number.
+    """
+    count = round(PERIOD / step)
+    if abs(count * step - PERIOD) > ROUNDING:
+        raise StudyError(f"step is {step:g} s; allowed: {PERIOD:g} s over a whole number, as 0.001, 0.0025")
+    return count
 
 
 def placed(case: Case, seed: int) -> Figures:
@@ -176,8 +194,10 @@ def require_track(case: Case) -> None:
         MachineError: a machine cannot be.
         ParameterError: a setting is unknown or out of range.
         PathError: the path cannot be read.
+        StudyError: a period is not a whole number of steps.
     """
     keys = TrackKeys(**_own(case))
+    _substeps(keys.step)
     _machine(keys.machine, case, ("machine", "plant"))
     changed_settings(controller_settings.Settings(), _under(case, "control"))
     changed_settings(valve_driver_parameters.Settings(), _under(case, "drive"))

@@ -95,7 +95,8 @@ def scores_of(laps: tuple[Drawn, ...], led: Led, machine: Machine) -> tuple[tupl
     each = zip(laps, rows, ends, strict=True)
     parts = [_away(one, within, end, governed, moved.tip) for one, within, end in each]
     rated = np.array([machine.valve_of(axis).rated_voltage for axis in range(3)])
-    return tuple(_score([part], moved, rated) for part in parts), _score(parts, moved, rated)
+    each_lap = tuple(_score([part], moved, rated) for part in parts)
+    return each_lap, each_lap[0] if len(parts) == 1 else _score(parts, moved, rated)
 
 
 def _away(one: Drawn, rows: range, end: int, governed: Floats, tips: Floats) -> _Away:

@@ -29,6 +29,7 @@ from forest_sim.sensors.sensor_suite import Suite, calibrated, sensor_suite
 from forest_study.closed_loop import compiled_loop
 from forest_study.closed_loop.closed_loop import Trajectory
 from forest_study.closed_loop.compiled_loop import Led
+from forest_study.closed_loop.loop_core import SUBSTEPS
 from forest_study.closed_loop.path_guide import Hand
 from forest_study.measures import ideal
 from forest_study.tracking.scores import Drawn, Lap, Score, drawn, scores_of
@@ -46,6 +47,7 @@ class Course(NamedTuple):
     places: Floats  # [K, 3] m of the profile, one a period, rests included
     hand: Hand
     drive: valve_driver_parameters.Settings = valve_driver_parameters.Settings()
+    substeps: int = SUBSTEPS  # of the machine, to a period
 
     @property
     def start(self) -> Vec3:
@@ -133,7 +135,7 @@ def follow(
     drive = course.drive._replace(adapt=adapt)
     for most in LONGEST:
         rows = np.ones((round(most * len(course.places)), 4))
-        given = (machine, rows, start, course.settings, drive, course.model, suite, plant)
+        given = (machine, rows, start, course.settings, drive, course.model, suite, plant, course.substeps)
         led = compiled_loop.prepared(*given).lead(course.places, course.hand)
         if len(led.clock) < len(rows):
             return scored(course, led, machine)
