@@ -7,6 +7,7 @@ places where people want names: every value is shown under its label.
 
 import json
 from collections.abc import Iterator
+from colorsys import hsv_to_rgb
 from pathlib import Path
 from typing import Any, NamedTuple
 from xml.etree import ElementTree
@@ -164,13 +165,20 @@ def plotjuggler() -> str:
         for unit, told in plots.items():
             area = ElementTree.SubElement(splitter, "DockArea", name=f"{topic.name} [{unit}]")
             plot = ElementTree.SubElement(area, "plot", style="Lines", mode="TimeSeries")
-            for one in told:
-                ElementTree.SubElement(plot, "curve", name=_curve(topic, one, named))
+            for number, one in enumerate(told):
+                curve = _curve(topic, one, named)
+                ElementTree.SubElement(plot, "curve", name=curve, color=_colour(number, len(told)))
     ElementTree.SubElement(window, "currentTabIndex", index=str(SHOWN.index(topics.PRESSURES)))
     ElementTree.SubElement(root, "use_relative_time_offset", enabled="1")
     root.append(named)
     ElementTree.indent(root)
     return ElementTree.tostring(root, encoding="unicode", xml_declaration=True) + "\n"
+
+
+def _colour(number: int, count: int) -> str:
+    """Return the colour of one of a plot's curves: without one PlotJuggler draws all in black."""
+    red, green, blue = hsv_to_rgb(number / count, 0.85, 0.85 if number % 2 else 0.65)
+    return "#" + "".join(f"{round(255 * part):02x}" for part in (red, green, blue))
 
 
 def _curve(topic: Topic, value: Value, named: ElementTree.Element) -> str:

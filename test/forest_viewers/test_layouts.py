@@ -89,6 +89,13 @@ def test_every_number_of_the_table_is_in_the_layouts_of_foxglove_and_plotjuggler
     assert not [curve for curve in curves if curve.endswith("]")]
 
 
+def test_plotjuggler_draws_each_curve_of_a_plot_in_a_colour_of_its_own():
+    root = ElementTree.parse(LAYOUTS / "plotjuggler.xml").getroot()
+    for plot in root.iter("plot"):
+        colours = [curve.get("color", "black") for curve in plot.iter("curve")]
+        assert len(set(colours)) == len(colours)
+
+
 def test_qos_overrides_name_every_recorded_topic_and_hear_best_effort_sensors():
     told = yaml.safe_load((LAYOUTS / "qos_overrides.yaml").read_text("utf-8"))
     assert told.keys() == {name for name, topic in TABLE.items() if topic.recorded}

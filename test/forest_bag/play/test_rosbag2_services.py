@@ -1,6 +1,7 @@
 """Claims about the player's services under rosbag2's names; its messages are stood for by their fields.
 
-The package with the real ones is on no package index: that rclpy offers them is not tested here.
+The package with the real ones is on no package index: that rclpy offers them is not tested here
+(docs/how-to/open-in-rviz-foxglove-plotjuggler.md, "Tried").
 """
 
 import threading
@@ -65,8 +66,13 @@ def ask(player):
 def test_every_service_of_rosbag2s_player_is_there(player):
     assert set(rosbag2_services(player, (0, 1), player.set_rate)) == {
         *("pause", "resume", "toggle_paused", "is_paused", "get_rate", "set_rate"),
-        *("play_next", "burst", "seek", "stop"),
+        *("play", "play_next", "burst", "seek", "stop"),
     }
+
+
+def test_another_playback_is_refused_as_rosbag2_refuses_it_while_one_runs(player, ask):
+    assert ask("play") == {"success": False}
+    assert player.bag.sent == []
 
 
 def test_pausing(player, ask):

@@ -8,7 +8,8 @@ from xml.etree import ElementTree
 import numpy as np
 import pytest
 
-from forest_control.config.workspace_file import load_workspace, told_ground
+from forest_control.config.setting_file import SettingFileError
+from forest_control.config.workspace_file import load_workspace, told
 from forest_control.limits.workspace import clearance
 from forest_description.derived.limits import joint_limits, workspace_limits
 from forest_description.geometry.kinematics import tip_position
@@ -131,12 +132,27 @@ def test_the_ground_stays_where_the_file_tells_it_whatever_margin_its_wall_keeps
     path = tmp_path / "yard.yaml"
     path.write_text("ground: -1.5\nmargin: 0.2\n")
     machine, workspace = MACHINES["c180_hoses"], load_workspace(str(path))
-    scene = scene_of(machine, workspace, ground=told_ground(str(path)))
+    scene = scene_of(machine, workspace, told=told(str(path)))
     assert (scene["ground"], scene["walls"][0]["offset"]) == (-1.5, -1.3)
     path.write_text("stay_inside: {lower: [-9, -9, -1], upper: [9, 9, 5]}\n")  # its floor is no ground
-    assert told_ground(str(path)) is told_ground("") is None
+    assert told(str(path)).ground is told("").ground is None
     walled = scene_of(machine, load_workspace(str(path)))
     assert walled["ground"] == scene_of(machine)["ground"]
+
+
+def test_a_wall_is_called_as_its_file_calls_it_or_by_its_number(tmp_path):
+    path = tmp_path / "yard.yaml"
+    box = "lower: [1, 1, 1], upper: [2, 2, 2]"
+    path.write_text(
+        f"ground: -2\nboxes: [{{{box}, name: pile}}, {{{box}}}]\n"
+        "cylinders: [{centre: [0, 3], radius: 0.5, lower: -1, upper: 1, name: post}]\n"
+    )
+    scene = scene_of(MACHINES["c180_hoses"], load_workspace(str(path)), told=told(str(path)))
+    assert [wall["name"] for wall in scene["walls"]] == ["ground", "pile", "box 3", "post"]
+    path.write_text(f"boxes: [{{{box}, name: 7}}]\n")
+    for read in (load_workspace, told):
+        with pytest.raises(SettingFileError, match="name is 7; allowed: a text of at most 30 characters"):
+            read(str(path))
 
 
 def test_slow_zone_is_where_the_fastest_tip_begins_to_brake():

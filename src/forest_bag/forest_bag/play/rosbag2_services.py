@@ -46,6 +46,7 @@ def rosbag2_services(
         "is_paused": ("IsPaused", _answer("paused", lambda _: player.paused)),
         "get_rate": ("GetRate", _answer("rate", lambda _: player.rate)),
         "set_rate": ("SetRate", _answer("success", set_a_rate)),
+        "play": ("Play", _answer("success", lambda _: False)),  # a playback runs as long as the node does
         "play_next": ("PlayNext", _answer("success", lambda _: player.step())),
         "burst": ("Burst", _answer("actually_burst", lambda request: player.burst(request.num_messages))),
         "seek": ("Seek", _answer("success", seek)),

@@ -7,10 +7,10 @@
     margin: 0.1                                    # kept from all of them
     approach: 4                                    # 1/s, allowed speed per distance
 
-Every key may be absent. Beside each number stands its source.
+Every key may be absent. A box or a cylinder may have a `name`. Beside each number stands its source.
 """
 
-from typing import Any
+from typing import Any, NamedTuple
 
 from forest_control.config.setting_file import SettingFileError, is_number, shipped_in, shown, tree_of
 from forest_control.limits.workspace import BOX, CYLINDER, MOST, NO_WALL, OPEN, PLANE, Wall, Workspace
@@ -21,6 +21,7 @@ WIDEST_MARGIN = 10.0  # [m] of the margin: a number beyond has another unit
 APPROACH = 4.0  # [1/s] allowed speed per distance to a wall where a file names none; chosen
 LEAST_APPROACH = 0.1  # [1/s] smallest of a file, as of the setting `approach`; chosen
 MOST_APPROACH = 20.0  # [1/s] greatest of a file, as of the setting `approach`; chosen
+LONGEST_NAME = 30  # characters of a box's or cylinder's name: it stands beside the tip
 LEAST_RADIUS = 0.001  # [m] of a cylinder: a smaller one is no obstacle
 
 
@@ -40,13 +41,28 @@ def load_workspace(name: str) -> Workspace:
     return _Reader(name).workspace(tree_of("workspace", name, "workspaces"))
 
 
-def told_ground(name: str) -> float | None:
-    """Return the height of the ground that a workspace tells [m], without its margin; None: it tells none.
+class Told(NamedTuple):
+    """What a workspace tells people."""
+
+    ground: float | None = None  # height of the ground, without its margin [m]
+    names: tuple[str, ...] = ()  # of boxes, then of cylinders; "": it has none
+
+
+NOTHING_TOLD = Told()
+
+
+def told(name: str) -> Told:
+    """Return what a workspace tells people.
 
     Raises:
         SettingFileError: as `load_workspace`.
     """
-    return _Reader(name).ground(tree_of("workspace", name, "workspaces")) if name else None
+    if not name:
+        return NOTHING_TOLD
+    reader, tree = _Reader(name), tree_of("workspace", name, "workspaces")
+    reader.workspace(tree)  # refuses what is not allowed
+    bodies = (*tree.get("boxes", ()), *tree.get("cylinders", ()))
+    return Told(reader.ground(tree), tuple(reader.named(body, "name") for body in bodies))
 
 
 class _Reader:
@@ -74,6 +90,12 @@ class _Reader:
             self._refuse(f"{len(walls)} walls; allowed: up to {MOST} (stay_inside counts as 6)")
         return Workspace((*walls, *(NO_WALL,) * (MOST - len(walls))), approach, len(walls))
 
+    def named(self, tree: Any, key: str) -> str:
+        name = tree.get("name", "")
+        if not isinstance(name, str) or len(name) > LONGEST_NAME:
+            self._refuse(f"{key} is {shown(name)}; allowed: a text of at most {LONGEST_NAME} characters")
+        return str(name)
+
     def ground(self, tree: Any) -> float | None:
         return self._number(tree["ground"], "ground") if "ground" in tree else None
 
@@ -90,19 +112,23 @@ class _Reader:
         return walls
 
     def _box(self, tree: Any, key: str, margin: float) -> Wall:
-        low, high = self._corners(tree, key)
+        low, high = self._corners(tree, key, ("name",))
+        self.named(tree, f"{key}.name")
         first = low[0] - margin, low[1] - margin, low[2] - margin
         return Wall(BOX, first, (high[0] + margin, high[1] + margin, high[2] + margin), 0.0)
 
-    def _corners(self, tree: Any, key: str) -> tuple[list[float], list[float]]:
-        self._keys(tree, ("lower", "upper"), key, needed=True)
+    def _corners(
+        self, tree: Any, key: str, optional: tuple[str, ...] = ()
+    ) -> tuple[list[float], list[float]]:
+        self._keys(tree, optional, key, ("lower", "upper"))
         low, high = (self._point(tree[corner], f"{key}.{corner}", 3) for corner in ("lower", "upper"))
         if not all(a < b for a, b in zip(low, high, strict=True)):
             self._refuse(f"{key}: lower {low} is not below upper {high}; allowed: below in every coordinate")
         return low, high
 
     def _cylinder(self, tree: Any, key: str, margin: float) -> Wall:
-        self._keys(tree, ("centre", "radius", "lower", "upper"), key, needed=True)
+        self._keys(tree, ("name",), key, ("centre", "radius", "lower", "upper"))
+        self.named(tree, f"{key}.name")
         x, y = self._point(tree["centre"], f"{key}.centre", 2)
         radius = self._number(tree["radius"], f"{key}.radius", LEAST_RADIUS)
         low, high = (self._number(tree[end], f"{key}.{end}") for end in ("lower", "upper"))
@@ -110,12 +136,13 @@ class _Reader:
             self._refuse(f"{key}: lower {low:g} is not below upper {high:g}")
         return Wall(CYLINDER, (x, y, low - margin), (0.0, 0.0, high + margin), radius + margin)
 
-    def _keys(self, tree: Any, allowed: tuple[str, ...], key: str, needed: bool = False) -> None:
+    def _keys(self, tree: Any, optional: tuple[str, ...], key: str, needed: tuple[str, ...] = ()) -> None:
+        allowed = (*needed, *optional)
         where = f"{key}: " if key else ""
         if not isinstance(tree, dict):
             self._refuse(f"{where}{shown(tree)}; allowed: a mapping of {', '.join(allowed)}")
         unknown = [name for name in tree if name not in allowed]
-        missing = [name for name in allowed if needed and name not in tree]
+        missing = [name for name in needed if name not in tree]
         if unknown or missing:
             what = f"unknown key {shown(unknown[0])}" if unknown else f"no {missing[0]}"
             self._refuse(f"{where}{what}; allowed: {', '.join(allowed)}")

@@ -1,5 +1,6 @@
 """What the page draws: a machine, or any robot description, also one that was recorded."""
 
+from forest_control.config.workspace_file import NOTHING_TOLD, Told
 from forest_control.limits.workspace import OPEN, Workspace
 from forest_description.machine import Machine
 from forest_description.urdf.robot_description import robot_description
@@ -17,17 +18,17 @@ TIP_SPEED = 0.5
 
 
 def scene_of(
-    machine: Machine, workspace: Workspace = OPEN, tip_speed: float = TIP_SPEED, ground: float | None = None
+    machine: Machine, workspace: Workspace = OPEN, tip_speed: float = TIP_SPEED, told: Told = NOTHING_TOLD
 ) -> Scene:
     """Return the scene of a machine; arguments as `scene_from_urdf`."""
-    scene = scene_from_urdf(robot_description(machine), workspace, tip_speed, ground)
+    scene = scene_from_urdf(robot_description(machine), workspace, tip_speed, told)
     if (chart := machine.capacity) is not None:
         scene["capacity"] = [list(point) for point in zip(chart.reach, chart.load, strict=True)]
     return scene
 
 
 def scene_from_urdf(
-    text: str, workspace: Workspace = OPEN, tip_speed: float = TIP_SPEED, ground: float | None = None
+    text: str, workspace: Workspace = OPEN, tip_speed: float = TIP_SPEED, told: Told = NOTHING_TOLD
 ) -> Scene:
     """Return the scene of a robot description.
 
@@ -36,7 +37,8 @@ def scene_from_urdf(
         workspace: Walls of the controller, as `forest_control.config.workspace_file` reads them.
         tip_speed: Greatest speed of the tip [m/s]; with the workspace's approach it tells where
             the tip begins to brake before a wall.
-        ground: Its height [m]; None: nobody tells it. A wall before it lies higher, by a margin.
+        told: Height of the ground, and what walls are called. A wall before the ground lies higher,
+            by its margin.
 
     Raises:
         SceneError: The text is no such URDF.
@@ -44,15 +46,14 @@ def scene_from_urdf(
     robot = robot_of(text)
     links, joints = links_of(robot), joints_of(robot)
     reach = max(r for r, _ in work_area(joints, 0.0)["section"])
-    if ground is None:
-        ground = -PILLAR * reach
+    ground = -PILLAR * reach if told.ground is None else told.ground
     return Scene(
         machine=robot.get("name", ""),
         links=links,
         joints=joints,
         hoses=hoses_of(links, joints),
         ground=ground,
-        walls=drawn_walls(workspace),
+        walls=drawn_walls(workspace, told.names),
         slow_zone=tip_speed / workspace.approach,
         work_area=work_area(joints, ground),
         capacity=[],

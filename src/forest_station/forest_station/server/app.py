@@ -10,7 +10,7 @@ from pathlib import Path
 from aiohttp import web
 
 from forest_control.config.setting_file import SettingFileError
-from forest_control.config.workspace_file import load_workspace, told_ground
+from forest_control.config.workspace_file import NOTHING_TOLD, load_workspace, told
 from forest_control.limits.workspace import OPEN
 from forest_station.graph.crane_graph import CraneGraph
 from forest_station.scene.scene_description import scene_of
@@ -91,11 +91,11 @@ def _app(station: Station, who: Access, sockets: PageSocket) -> web.Application:
 def _scene(graph: CraneGraph, walls: str, tip_speed: float) -> Scene:
     """Return the scene with the walls of a name; without them where the file cannot be read here."""
     try:
-        workspace, ground = load_workspace(walls), told_ground(walls)
+        workspace, names = load_workspace(walls), told(walls)
     except SettingFileError as error:
         graph.node.get_logger().warning(f"the page shows no walls: {error}")
-        workspace, ground = OPEN, None
-    return scene_of(graph.machine, workspace, tip_speed, ground)
+        workspace, names = OPEN, NOTHING_TOLD
+    return scene_of(graph.machine, workspace, tip_speed, names)
 
 
 def _panels() -> dict[str, list[str]]:
