@@ -1,8 +1,8 @@
 """How much faster than real time the closed loop runs: compiled, and interpreted beside it, in the same run.
 
-The work is the five paths of `forest-study track` at 0.5 m/s: full plant (default `c180_hoses`), noise, controller,
-driver. Both loops give the same figures. Times are CPU time of one thread; planning a path, which all its
-runs share, is told apart. With `--runs` also many drawn machines over all cores.
+The work is the five paths of `forest-study track` at 0.5 m/s: full plant (default `c180_hoses`), noise,
+controller, driver. Both loops give the same figures. Times are CPU time of one thread; planning a path, which
+all its runs share, is told apart. With `--runs` also many drawn machines over all cores.
 """
 
 import argparse

@@ -8,6 +8,7 @@ import math
 from forest_control.valve.valve_driver_parameters import AxisDriver, Parameters
 from forest_description.hydraulics.valve_characteristic import ValveLaw, voltage_for_opening
 
+LEAST_DROP = 0.03  # [1] of the pump's pressure, taken to remain over an edge to it; chosen
 LEAST_PART = 0.1  # [1] of a port's usual root of the pressure drop, taken to remain; chosen
 
 
@@ -36,6 +37,9 @@ def spool_voltage(
         p: what is known of the machine.
     """
     speed = axis.rated_speed * fed / axis.valve.forward.rated_voltage
+    if mean >= 0.0 and (axis.throttled_2 if speed > 0.0 else axis.throttled_1):
+        opening = _inlet_opening(speed, load, mean, supply, axis, p)
+        return voltage_for_opening(opening, law)
     opening = required_opening(speed, load, supply, tank, axis, p)
     if mean >= 0.0 and axis.metering_drop == math.inf:
         x = position if math.isfinite(position) else axis.middle
@@ -54,8 +58,7 @@ def required_opening(
     outlet = axis.displacement_2 if speed > 0.0 else axis.displacement_1
     way = axis.valve.forward if speed > 0.0 else axis.valve.backward
     if axis.metering_drop < math.inf:
-        edge = way.resistance_1 if speed > 0.0 else way.resistance_2
-        return max(-1.0, min(1.0, speed * inlet * math.sqrt(edge / axis.metering_drop)))
+        return _metered_opening(speed, axis.metering_drop, axis)
     nominal = inlet * supply
     opposing = load if speed > 0.0 else -load
     square = axis.ahead_square if speed > 0.0 else axis.back_square
@@ -63,6 +66,27 @@ def required_opening(
     drive = max(p.minimum_drop * inlet * p.supply_pressure, nominal - opposing - beyond)
     orifices = way.resistance_1 * axis.displacement_1**3 + way.resistance_2 * axis.displacement_2**3
     return max(-1.0, min(1.0, speed * math.sqrt(orifices / drive)))
+
+
+def _metered_opening(speed: float, drop: float, axis: AxisDriver) -> float:
+    """Return the opening -1..1 at which the inlet's edge passes a speed's oil at a drop [Pa] over it."""
+    forward = speed > 0.0
+    inlet = axis.displacement_1 if forward else axis.displacement_2
+    edge = axis.valve.forward.resistance_1 if forward else axis.valve.backward.resistance_2
+    return max(-1.0, min(1.0, speed * inlet * math.sqrt(edge / drop)))
+
+
+def _inlet_opening(
+    speed: float, load: float, mean: float, supply: float, axis: AxisDriver, p: Parameters
+) -> float:
+    """Return the opening -1..1 where a counterbalance valve throttles what comes out; see `_filling_factor`.
+
+    It opens as its pilot, the inlet's pressure, lets it: the outlet's edge has what it leaves. So the inlet's
+    edge alone sets the speed, and its drop is what is measured.
+    """
+    half = 0.5 * load / axis.displacement_1
+    inlet = mean + half if speed > 0.0 else (mean - half) * axis.displacement_1 / axis.displacement_2
+    return _metered_opening(speed, max(LEAST_DROP * p.supply_pressure, supply - inlet), axis)
 
 
 def _filling_factor(
