@@ -1,8 +1,8 @@
 """How much faster than real time the closed loop runs: compiled, and interpreted beside it, in the same run.
 
-The work is the five paths of `forest-study track` at 0.5 m/s: full plant (`c180_hoses`), noise, controller,
-driver. Both loops give the same figures. Times are CPU time of one thread; planning a path, which all its
-runs share, is told apart. With `--runs` also many drawn machines over all cores.
+The work is the five paths of `forest-study track` at 0.5 m/s: full plant (default `c180_hoses`), noise,
+controller, driver. Both loops give the same figures. Times are CPU time of one thread; planning a path, which
+all its runs share, is told apart. With `--runs` also many drawn machines over all cores.
 """
 
 import argparse
@@ -19,7 +19,7 @@ from forest_control.config import controller_settings
 from forest_control.servo.schemes import Scheme
 from forest_control.valve import valve_driver_parameters
 from forest_description.geometry.kinematics import inverse_kinematics
-from forest_description.machine import load_machine
+from forest_description.machine import Machine, load_machine
 from forest_msgs_py.types import PERIOD
 from forest_sim.equations.plant_parameters import plant_parameters
 from forest_study.closed_loop import compiled_loop, loop_kernel, model_mismatch
@@ -29,7 +29,6 @@ from forest_study.tracking.paths import NAMES, path_named
 from forest_study.tracking.track_runs import Variation, run_many
 from forest_study.tracking.tracking import Course
 
-C180 = load_machine("c180_hoses")
 DRIVE = valve_driver_parameters.Settings(adapt=True)
 HEAD = (
     "| path | simulated, s | compiled, × real time | with set-up and noise "
@@ -38,24 +37,24 @@ HEAD = (
 Row = dict[str, Any]
 
 
-def compare(name: str, repeats: int) -> Row:
+def compare(machine: Machine, name: str, repeats: int) -> Row:
     """Return a path's row; the fastest of some runs counts, for neighbours only slow them.
 
     Raises:
         AssertionError: the loops differ.
     """
-    plan, course = _timed(lambda: tracking.prepare(path_named(name), 0.5, Scheme.COORDINATED, C180))
-    suite, seconds = tracking.noisy(C180, 0), PERIOD * len(course.places)
-    start = inverse_kinematics(path_named(name).at(0.0), C180.manipulator.links)
+    plan, course = _timed(lambda: tracking.prepare(path_named(name), 0.5, Scheme.COORDINATED, machine))
+    suite, seconds = tracking.noisy(machine, 0), PERIOD * len(course.places)
+    start = inverse_kinematics(path_named(name).at(0.0), machine.manipulator.links)
     rows = np.ones((len(course.places) + 1, 4))
 
     def given() -> compiled_loop.Prepared:
-        return compiled_loop.prepared(C180, rows, start, course.settings, DRIVE, suite=suite)
+        return compiled_loop.prepared(machine, rows, start, course.settings, DRIVE, suite=suite)
 
     whole = [_timed(lambda: given().lead(course.places, course.hand)) for _ in range(repeats)]
     prepared = given()
     alone = [_timed(lambda: prepared.lead(course.places, course.hand))[0] for _ in range(repeats)]
-    python, slow = _timed(lambda: interpreted(course, start, suite))
+    python, slow = _timed(lambda: interpreted(machine, course, start, suite))
     assert (whole[0][1].moved.tip == slow.moved.tip).all(), "both loops must give the same figures"
     fastest = min(took for took, _ in whole)
     return {
@@ -69,25 +68,27 @@ def compare(name: str, repeats: int) -> Row:
     }
 
 
-def interpreted(course: Course, start: tuple[float, float, float], suite: Any) -> compiled_loop.Led:
+def interpreted(
+    machine: Machine, course: Course, start: tuple[float, float, float], suite: Any
+) -> compiled_loop.Led:
     """Return the same run in Python; only the plant is compiled."""
     believed = (
-        controller_settings.parameters(C180, course.settings),
-        valve_driver_parameters.parameters(C180, DRIVE),
+        controller_settings.parameters(machine, course.settings),
+        valve_driver_parameters.parameters(machine, DRIVE),
     )
-    loop, links = ClosedLoop(plant_parameters(C180), *believed, start, suite), C180.manipulator.links
+    loop, links = ClosedLoop(plant_parameters(machine), *believed, start, suite), machine.manipulator.links
     return compiled_loop.lead_interpreted(loop, links, course.places, course.hand, len(course.places) + 1)
 
 
-def many(count: int) -> Row:
+def many(machine: Machine, count: int) -> Row:
     """Return what so many drawn machines on one path take over all cores, by the clock and in CPU time."""
-    course = tracking.prepare(path_named("circle_h"), 0.5, Scheme.COORDINATED, C180)
+    course = tracking.prepare(path_named("circle_h"), 0.5, Scheme.COORDINATED, machine)
 
     def varied(seed: int) -> Variation:
-        return Variation(tracking.noisy(C180, seed), model_mismatch.draw(seed, model_mismatch.Ranges()))
+        return Variation(tracking.noisy(machine, seed), model_mismatch.draw(seed, model_mismatch.Ranges()))
 
     began = time.perf_counter()
-    took, _ = _timed(lambda: run_many(course, C180, range(count), varied, adapt=True), time.process_time)
+    took, _ = _timed(lambda: run_many(course, machine, range(count), varied, adapt=True), time.process_time)
     seconds, clock = count * PERIOD * len(course.places), time.perf_counter() - began
     return {
         "runs": count,
@@ -120,14 +121,16 @@ def main() -> None:
     parser.add_argument("--repeats", type=int, default=10, help="of the compiled loop (default: %(default)s)")
     parser.add_argument("--runs", type=int, default=0, metavar="N", help="drawn machines over all cores, too")
     parser.add_argument("--json", type=Path, metavar="FILE")
+    parser.add_argument("--machine", default="c180_hoses", metavar="NAME|FILE")
     options = parser.parse_args()
+    machine = load_machine(options.machine)
     loop_kernel.KERNEL.kernel()
     print(HEAD)
     rows = []
     for name in options.paths:
-        rows.append(compare(name, options.repeats))
+        rows.append(compare(machine, name, options.repeats))
         print(*table(rows[-1:]), sep="\n", flush=True)
-    together = many(options.runs) if options.runs else None
+    together = many(machine, options.runs) if options.runs else None
     if together:
         print(
             "\n{runs} drawn machines, {seconds:.0f} s, over {cores} cores: {by_clock:.0f} × real time by the "

@@ -150,7 +150,7 @@ def test_killed_recorders_are_told_by_what_they_lost_and_how_many_left_nothing(b
 
 def test_the_closed_loops_benchmark_compares_equal_loops_and_tells_both_factors(benchmark):
     loop = benchmark("closed_loop")
-    row = loop.compare("vertical", 1)
+    row = loop.compare(load_machine("c180_hoses"), "vertical", 1)
     assert row.keys() >= {"compiled", "interpreted", "with_set_up", "plan_seconds"}
     assert "| vertical | 8." in "".join(loop.table([row]))
 

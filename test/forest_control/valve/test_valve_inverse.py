@@ -1,6 +1,7 @@
 """Claims about the valve's inverse: at the opening it gives, the oil's pressures balance."""
 
 import math
+from pathlib import Path
 
 import pytest
 
@@ -12,8 +13,10 @@ from forest_description.hydraulics.valve_characteristic import opening_at, strok
 from forest_description.machine import load_machine
 
 REAL = load_machine("c180")
+PLAIN = load_machine(str(Path(__file__).parents[3] / "docs/pictures/plain_sections.yaml"))
 P = valve_driver_parameters.parameters(REAL, Settings())
 SUPPLY, TANK = 17e6, 6e5
+MACHINES = (PLAIN, REAL, load_machine("forwarder"))
 AXES = pytest.mark.parametrize("i", [0, 1, 2])
 SPEEDS = pytest.mark.parametrize("share", [-0.4, -0.1, 0.1, 0.4])
 
@@ -112,3 +115,30 @@ def test_the_tank_lines_pressure_is_that_of_all_the_oil_that_returns():
         oil = OilState(0.0, 0.0, -1.0, P.idle_pressure, tank)
         wanted = spool_voltage(commands[i], oil, math.nan, axis, axis.valve, p)
         assert given == pytest.approx(wanted)  # dither begins at a node
+
+
+def test_only_behind_a_load_sensing_pump_and_without_compensators_a_counterbalance_valve_throttles():
+    """At the boom's head side and both of the stick's; a pump of constant pressure opens it wide."""
+    told = [
+        [(a.throttled_1, a.throttled_2) for a in valve_driver_parameters.axis_drivers(m)] for m in MACHINES
+    ]
+    assert told == [[(False, False), (True, False), (True, True)], 3 * [(False, False)], 3 * [(False, False)]]
+
+
+@pytest.mark.parametrize(("i", "share"), [(1, -0.3), (2, -0.3), (2, 0.3)])
+@pytest.mark.parametrize("held", [2e6, 14e6])
+def test_where_a_counterbalance_valve_throttles_the_inlets_edge_alone_sets_the_speed(i, share, held):
+    """Whatever stands before the valve, the flow of the inlet's measured drop is that of the speed."""
+    p = valve_driver_parameters.parameters(PLAIN, Settings())
+    axis, supply, inlet = p.axes[i], 9e6, 6.5e6
+    p_1, p_2 = (inlet, held) if share > 0.0 else (held, inlet)
+    load = axis.displacement_1 * p_1 - axis.displacement_2 * p_2
+    mean = 0.5 * (p_1 + p_2 * axis.displacement_2 / axis.displacement_1)
+    fed = share * axis.valve.forward.rated_voltage
+    volts = spool_voltage(fed, OilState(load, 0.0, mean, supply, TANK), axis.middle, axis, axis.valve, p)
+    way = axis.valve.forward if share > 0.0 else axis.valve.backward
+    edge, area = (
+        (way.resistance_1, axis.displacement_1) if share > 0.0 else (way.resistance_2, axis.displacement_2)
+    )
+    at = math.copysign(opening_at(stroke(abs(volts), way), axis.valve.curve), volts)
+    assert at * math.sqrt((supply - inlet) / edge) == pytest.approx(share * axis.rated_speed * area, rel=1e-9)

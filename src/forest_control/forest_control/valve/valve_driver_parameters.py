@@ -13,7 +13,12 @@ from forest_control.valve.spool_model import SpoolLaw, after
 from forest_control.valve.valve_adaptation import AdaptationParameters
 from forest_control.valve.valve_flow import FlowParameters, Yielding
 from forest_description.derived.actuator_kinematics import displacements, metering_drop, rated_speeds
-from forest_description.hydraulics.load_holding_parameters import LoadHolding, RuptureValve
+from forest_description.hydraulics.load_holding_parameters import (
+    CounterbalanceValve,
+    LoadHolding,
+    RuptureValve,
+)
+from forest_description.hydraulics.pump import LoadSensingPump
 from forest_description.hydraulics.valve_characteristic import ValveLaw
 from forest_description.machine import Machine
 from forest_description.types import Vec3
@@ -40,6 +45,8 @@ class AxisDriver(NamedTuple):
     spool: SpoolLaw = SpoolLaw()
     dither: float = 0.0  # [V] added by turns to every voltage that is not zero
     metering_drop: float = math.inf  # [Pa] that a compensator keeps over the edge to the pump
+    throttled_1: bool = False  # what leaves port 1 loses all its pressure in a counterbalance valve
+    throttled_2: bool = False  # what leaves port 2
     fills: bool = False  # it is allowed for that its oil must be pressed first
     oil_1: Yielding = Yielding()
     oil_2: Yielding = Yielding()
@@ -178,6 +185,8 @@ def _axis_driver(machine: Machine, axis: int, speed: float, beyond_valve: bool, 
         least_fed=_least_fed(machine, axis),
         spool=_spool(machine, axis),
         dither=dither if dither >= 0.0 else 0.5 * _hysteresis(machine, axis),
+        throttled_1=_is_throttled(machine, axis, machine.drives[axis].holding_1),
+        throttled_2=_is_throttled(machine, axis, machine.drives[axis].holding_2),
         fills=axis == 0 or machine.drives[axis].chambers is not None,
         oil_1=_oil(machine, axis, 1),
         oil_2=_oil(machine, axis, 2),
@@ -254,6 +263,15 @@ def _holding(valve: LoadHolding | None, displacement: float) -> tuple[float, flo
         return 0.0, 0.0
     inwards = valve.minimum_resistance if isinstance(valve, RuptureValve) else valve.check_resistance
     return displacement**3 * inwards, displacement**3 * valve.minimum_resistance
+
+
+def _is_throttled(machine: Machine, axis: int, valve: LoadHolding | None) -> bool:
+    """Tell whether a valve opens no wider than it must: its pilot has what a load-sensing pump leaves.
+
+    A pump of constant pressure opens it wide; a pressure compensator meters the inlet anyway.
+    """
+    plain = machine.valve_of(axis).compensator is None
+    return plain and isinstance(valve, CounterbalanceValve) and isinstance(machine.pump, LoadSensingPump)
 
 
 def _slip(machine: Machine, axis: int) -> float:

@@ -10,6 +10,7 @@ from forest_control.valve.inlet_oil import lacking_oil, shut_share
 from forest_control.valve.valve_driver_parameters import AxisDriver, Parameters
 from forest_description.hydraulics.valve_characteristic import ValveLaw, voltage_for_opening
 
+LEAST_DROP = 0.03  # [1] of the pump's pressure, taken to remain over an edge to it; chosen
 LEAST_PART = 0.1  # [1] of a port's usual root of the pressure drop, taken to remain; chosen
 PRESSING = 0.1  # [s] in which an empty port's air is pressed; chosen
 
@@ -40,10 +41,11 @@ def spool_voltage(
     speed = axis.rated_speed * fed / axis.valve.forward.rated_voltage
     x, fills = position if math.isfinite(position) else axis.middle, oil.mean >= 0.0
     if axis.metering_drop < math.inf:
-        taken = _with_pressing(speed, oil, x, axis) if fills else speed
-        return voltage_for_opening(required_opening(taken, oil.load, oil.supply, oil.tank, axis, p), law)
+        speed = _with_pressing(speed, oil, x, axis) if fills else speed
+    elif fills and (axis.throttled_2 if speed > 0.0 else axis.throttled_1):
+        return voltage_for_opening(_inlet_opening(speed, oil, axis, p), law)
     opening = required_opening(speed, oil.load, oil.supply, oil.tank, axis, p)
-    if fills:
+    if fills and axis.metering_drop == math.inf:
         opening *= _filling_factor(speed > 0.0, oil.load, oil.mean, oil.supply, oil.tank, x, axis)
     return voltage_for_opening(opening, law)
 
@@ -59,8 +61,7 @@ def required_opening(
     outlet = axis.displacement_2 if speed > 0.0 else axis.displacement_1
     way = axis.valve.forward if speed > 0.0 else axis.valve.backward
     if axis.metering_drop < math.inf:
-        edge = way.resistance_1 if speed > 0.0 else way.resistance_2
-        return max(-1.0, min(1.0, speed * inlet * math.sqrt(edge / axis.metering_drop)))
+        return _metered_opening(speed, axis.metering_drop, axis)
     nominal = inlet * supply
     opposing = load if speed > 0.0 else -load
     square = axis.ahead_square if speed > 0.0 else axis.back_square
@@ -87,6 +88,25 @@ def _with_pressing(speed: float, oil: OilState, x: float, axis: AxisDriver) -> f
         return speed * (1.0 + trapped) + c_1 * lacking_oil(max(port_1, oil.mean), axis.air) / (a_1 * PRESSING)
     trapped = spring_1 / spring_2 * shut_share(port_2, port_1, axis.holding_1)
     return speed * (1.0 + trapped) - c_2 * lacking_oil(max(port_2, oil.mean), axis.air) / (a_2 * PRESSING)
+
+
+def _metered_opening(speed: float, drop: float, axis: AxisDriver) -> float:
+    """Return the opening -1..1 at which the inlet's edge passes a speed's oil at a drop [Pa] over it."""
+    forward = speed > 0.0
+    inlet = axis.displacement_1 if forward else axis.displacement_2
+    edge = axis.valve.forward.resistance_1 if forward else axis.valve.backward.resistance_2
+    return max(-1.0, min(1.0, speed * inlet * math.sqrt(edge / drop)))
+
+
+def _inlet_opening(speed: float, oil: OilState, axis: AxisDriver, p: Parameters) -> float:
+    """Return the opening -1..1 where a counterbalance valve throttles what comes out; see `_filling_factor`.
+
+    It opens as its pilot, the inlet's pressure, lets it: the outlet's edge has what it leaves. So the inlet's
+    edge alone sets the speed, and its drop is what is measured.
+    """
+    half = 0.5 * oil.load / axis.displacement_1
+    inlet = oil.mean + half if speed > 0.0 else (oil.mean - half) * axis.displacement_1 / axis.displacement_2
+    return _metered_opening(speed, max(LEAST_DROP * p.supply_pressure, oil.supply - inlet), axis)
 
 
 def _filling_factor(
