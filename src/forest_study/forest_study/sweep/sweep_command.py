@@ -64,5 +64,5 @@ def run_the_rest(study: Study, store: Store, scheduler: str | None, workers: int
             before, now = before + len(rows), time.monotonic()
             if now - told >= EVERY or before == count:
                 told, rate = now, (before - len(done)) / (now - begun)
-                line.show(f"{before} of {count}, {rate:.1f} a second, {(count - before) / rate:.0f} s left")
+                line.show(f"{before} of {count}, {rate:.3g} a second, {(count - before) / rate:.0f} s left")
         line.end()
