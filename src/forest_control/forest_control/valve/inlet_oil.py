@@ -28,6 +28,7 @@ from forest_description.hydraulics.load_holding_parameters import (
     RuptureValve,
 )
 from forest_description.machine import Machine
+from forest_description.mechanics.drives import BearingFriction
 
 NEARLY_OPEN = 0.25  # [1] of its setting: a holding valve that lacks less counts as partly open; chosen
 
@@ -54,8 +55,10 @@ def free_air(machine: Machine, axis: int) -> FreeAir:
     if oil is None or oil.air is None:
         return FreeAir()
     force = 0.0
-    if friction is not None:
-        force = friction.breakaway_torque if axis == 0 else friction.breakaway_force
+    if isinstance(friction, BearingFriction):
+        force = friction.breakaway_torque
+    elif friction is not None:
+        force = friction.breakaway_force
     return FreeAir(
         volume=oil.air.share * oil.bulk_modulus,
         tank_pressure=oil.air.tank_pressure,
