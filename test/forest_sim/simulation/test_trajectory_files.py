@@ -173,5 +173,5 @@ def test_memory_does_not_grow_with_the_length_of_a_run(tmp_path):
     argv = [sys.executable, "-c", textwrap.dedent(code), str(tmp_path / "out")]
     done = subprocess.run(argv, capture_output=True, text=True, check=True)
     early, late = (int(peak) / 1024 for peak in done.stdout.splitlines()[-1].split())
-    # MB; of the 20 s between them the kept rows would be 4, the blocks 9. The allocator's habits make 1.5.
+    # MB; of the 20 s between them the kept rows would be 4, the blocks 9. The allocator's habits make 2.
     assert late - early < 3.0, (early, late)
