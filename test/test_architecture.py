@@ -29,11 +29,14 @@ ROS = {
 }
 
 
+parsed = cache(ast.parse)
+
+
 @cache
 def imported(source: str) -> frozenset[str]:
     """Top-level names of every module that a source imports, inside functions too; five claims ask."""
     names = set()
-    for node in ast.walk(ast.parse(source)):
+    for node in ast.walk(parsed(source)):
         if isinstance(node, ast.Import):
             names |= {alias.name for alias in node.names}
         elif isinstance(node, ast.ImportFrom) and node.level == 0:
@@ -64,7 +67,7 @@ OF_NAMED_TUPLES = {"_asdict", "_field_defaults", "_fields", "_make", "_replace"}
 
 def private_names(source: str, package: str) -> set[str]:
     """Private names of our other packages that a source imports, or takes from what it imports."""
-    tree, foreign, found = ast.parse(source), set(), set()
+    tree, foreign, found = parsed(source), set(), set()
     for node in ast.walk(tree):
         home = (node.module or "").split(".") if isinstance(node, ast.ImportFrom) else [""]
         if home[0] in PACKAGES and home[0] != package:

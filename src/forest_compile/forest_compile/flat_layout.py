@@ -6,6 +6,8 @@ than a step of the plant.
 """
 
 from collections.abc import Callable, Iterator
+from functools import lru_cache
+from types import CodeType
 from typing import Any
 
 Row = tuple[float, ...]
@@ -63,4 +65,10 @@ def construction(example: Any, row: str, names: dict[str, Any]) -> str:
 
 
 def _evaluate(expression: str, names: dict[str, Any]) -> Any:
-    return eval(expression, names)  # noqa: S307  our own text, made of field names
+    return eval(_code(expression), names)  # noqa: S307  our own text, made of field names
+
+
+@lru_cache(maxsize=64)
+def _code(expression: str) -> CodeType:
+    """Return a layout's code: all loops of a process have the same few layouts."""
+    return compile(expression, "<layout>", "eval")

@@ -258,7 +258,7 @@ def test_a_damaged_database_is_refused_with_advice(tmp_path):
         BagReader(file)
 
 
-@pytest.mark.parametrize("text", ["[" * 20000, "a: 2001-99-99", "a: [", "\0"])
+@pytest.mark.parametrize("text", ["a: 2001-99-99", "a: [", "\0"])
 def test_metadata_that_is_no_yaml_is_named_with_advice(tmp_path, text):
     write_mcap(tmp_path / "bag_0.mcap", SHUFFLED)
     (tmp_path / "metadata.yaml").write_text(text)

@@ -104,7 +104,7 @@ def test_a_curve_below_the_meters_floor_leaves_the_overlap_open(loader):
 
 def test_dry_friction_that_the_file_tells_is_no_damping(loader):
     """The search starts here, and the boom's record feels what is held of the stick's damping."""
-    session = experiment("damping_boom", loader, longest=35.0)
+    session = experiment("damping_boom", loader, longest=15.0)
     found = identify(loader, [session], refine=False).estimates["boom.damping"]
     assert found.value == pytest.approx(loader.boom.damping, rel=0.25)
     assert loader.boom.friction.coulomb_force > 0.0

@@ -17,7 +17,7 @@ PLAIN = load_machine("c180_hoses")
 def fitted(name, record):
     """Returns the plain model's fit to a record of the crane with one candidate's physics."""
     crane = next((c.add(PLAIN) for c in CANDIDATES if c.name == name), PLAIN)
-    return identify(PLAIN, [experiment(record, crane, 5, longest=25.0)])
+    return identify(PLAIN, [experiment(record, crane, 5, longest=10.0)])
 
 
 @pytest.mark.parametrize(("name", "record"), [("friction", "damping_boom"), ("hysteresis", "spool_lag")])

@@ -20,9 +20,8 @@ UNKNOWN = "unknown:5"
 def identified(tmp_path_factory):
     """What two of its records make of the shipped crane's file."""
     machine = load_machine(UNKNOWN)
-    result = identify(
-        load_machine("c180_hoses"), [experiment(name, machine, seed=5) for name in ("valve", "hose")]
-    )
+    records = [experiment("valve", machine, seed=5), experiment("hose", machine, seed=5, longest=12.0)]
+    result = identify(load_machine("c180_hoses"), records)
     return machine_writer.write(result, "c180_hoses", tmp_path_factory.mktemp("unknown") / "identified.yaml")
 
 

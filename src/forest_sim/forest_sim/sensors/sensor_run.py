@@ -61,7 +61,8 @@ class SensorRun:
         draws = draw(self._generator) if self._generator else NO_DRAWS
         if self._suite.faults:
             channels = conditions(self._suite, self._state.time + dt, draws.uniform)
-            self._constants = self._constants[0]._replace(channels=channels), self._links
+            if channels != self._constants[0].channels:  # to lay all parameters out again takes longer
+                self._constants = self._constants[0]._replace(channels=channels), self._links
         self._state, report = self._report(self._state, simulation, draws.normal, self._constants, dt)
         return report
 

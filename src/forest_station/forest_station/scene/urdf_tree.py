@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Mapping
+from functools import lru_cache
 from xml.etree import ElementTree
 
 import numpy as np
@@ -75,7 +76,7 @@ def frames(joints: list[Joint], positions: Mapping[str, float]) -> dict[str, Flo
     found: dict[str, Floats] = {BASE: np.eye(4)}
     for joint in joints:
         if joint["parent"] in found:
-            placed = found[joint["parent"]] @ _fixed(joint["xyz"], joint["rpy"])
+            placed = found[joint["parent"]] @ _fixed(tuple(joint["xyz"]), tuple(joint["rpy"]))
             found[joint["child"]] = placed @ _motion(joint, positions.get(joint["name"], 0.0))
     return found
 
@@ -136,7 +137,8 @@ def _numbers(text: str) -> list[float]:
     return [float(number) for number in text.split()]
 
 
-def _fixed(xyz: list[float], rpy: list[float]) -> Floats:
+@lru_cache(maxsize=128)  # a scene asks for the same joints at a hundred poses
+def _fixed(xyz: tuple[float, ...], rpy: tuple[float, ...]) -> Floats:
     """Return a displacement, then turns about z, y and x: URDF's fixed-axis roll, pitch, yaw."""
     roll, pitch, yaw = rpy
     matrix = _turn([0.0, 0.0, 1.0], yaw) @ _turn([0.0, 1.0, 0.0], pitch) @ _turn([1.0, 0.0, 0.0], roll)

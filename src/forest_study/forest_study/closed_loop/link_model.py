@@ -72,10 +72,12 @@ class Link(Generic[T]):
 
     def send(self, now: float, message: T) -> None:
         """Put a message on its way at a time [s]."""
-        lost, extra = self._rng.random() < self._quality.loss, self._rng.random() * self._quality.jitter
+        lost, extra, q = False, 0.0, self._quality
+        if q.loss > 0.0 or q.jitter > 0.0:  # a draw takes longer than all the rest
+            lost, extra = self._rng.random() < q.loss, self._rng.random() * q.jitter
         self._sent += 1
         if not lost:
-            heapq.heappush(self._under_way, (now + self._quality.delay + extra, self._sent, message))
+            heapq.heappush(self._under_way, (now + q.delay + extra, self._sent, message))
 
     def arrived(self, now: float) -> list[T]:
         """Return what has arrived by a time [s], in the order of arrival."""
