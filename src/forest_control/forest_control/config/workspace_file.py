@@ -21,7 +21,7 @@ WIDEST_MARGIN = 10.0  # [m] of the margin: a number beyond has another unit
 APPROACH = 4.0  # [1/s] allowed speed per distance to a wall where a file names none; chosen
 LEAST_APPROACH = 0.1  # [1/s] smallest of a file, as of the setting `approach`; chosen
 MOST_APPROACH = 20.0  # [1/s] greatest of a file, as of the setting `approach`; chosen
-LONGEST_NAME = 30  # characters of a box's or cylinder's name: it stands beside the tip
+LONGEST_NAME = 30  # [1] characters of a box's or cylinder's name: it stands beside the tip
 LEAST_RADIUS = 0.001  # [m] of a cylinder: a smaller one is no obstacle
 
 
