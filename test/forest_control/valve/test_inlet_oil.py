@@ -20,12 +20,12 @@ P = parameters(FORWARDER, Settings())
 WAYS = pytest.mark.parametrize("way", [1.0, -1.0])
 
 
-def inlet_flow(i, share, port_1, port_2):
+def inlet_flow(i, share, port_1, port_2, outlet=0.0):
     """Return the flow into an axis [m^3/s] for a share of its rated speed, at these pressures [Pa]."""
     axis = P.axes[i]
     load = axis.displacement_1 * port_1 - axis.displacement_2 * port_2
     mean = 0.5 * (port_1 + port_2 * axis.displacement_2 / axis.displacement_1)
-    oil = OilState(load, 0.0, mean, 20e6, 0.0)
+    oil = OilState(load, 0.0, mean, 20e6, 0.0, outlet)
     volts = spool_voltage(share * axis.valve.forward.rated_voltage, oil, axis.middle, axis, axis.valve, P)
     law = axis.valve.forward if share > 0.0 else axis.valve.backward
     edge = law.resistance_1 if share > 0.0 else law.resistance_2
@@ -53,6 +53,18 @@ def test_oil_that_is_pressed_and_an_outlet_that_is_open_take_the_actuators_flow_
     axis = P.axes[i]
     area = axis.displacement_1 if way > 0.0 else axis.displacement_2
     assert inlet_flow(i, 0.1 * way, 13e6, 13e6) == pytest.approx(0.1 * axis.rated_speed * area, rel=1e-9)
+
+
+@pytest.mark.parametrize(("i", "way"), [(1, -1.0), (2, 1.0), (2, -1.0)])
+@pytest.mark.parametrize("outlet", [2e6, math.nan])
+def test_a_dead_transducer_at_a_cylinder_makes_it_no_faster(i, way, outlet):
+    """Its pressures say that the holding valve is shut; yet oil comes back, or nothing is measured there."""
+    axis = P.axes[i]
+    area = axis.displacement_1 if way > 0.0 else axis.displacement_2
+    assert inlet_flow(i, 0.1 * way, 4e6, 4e6, outlet) == pytest.approx(
+        0.1 * axis.rated_speed * area, rel=1e-9
+    )
+    assert inlet_flow(i, 0.1 * way, 4e6, 4e6) > 0.12 * axis.rated_speed * area
 
 
 def test_a_counterbalance_valve_is_open_from_where_load_and_pilot_together_reseat_it():

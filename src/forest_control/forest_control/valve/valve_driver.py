@@ -130,9 +130,9 @@ def step(
     if p.adapt and dt > 0.0:
         state = state._replace(estimates=_learn(state, pressures, motion, measured, p, dt))
     supply, tank = pressures.supply if measured else p.idle_pressure, _tank_pressure(command, p)
-    swing = _axis(0, command[0], supply, tank, measured, motion.positions[0], state, p, dt)
-    boom = _axis(1, command[1], supply, tank, measured, motion.positions[1], state, p, dt)
-    stick = _axis(2, command[2], supply, tank, measured, motion.positions[2], state, p, dt)
+    swing = _axis(0, command[0], supply, tank, measured, motion, state, p, dt)
+    boom = _axis(1, command[1], supply, tank, measured, motion, state, p, dt)
+    stick = _axis(2, command[2], supply, tank, measured, motion, state, p, dt)
     is_shut = swing.voltage == 0.0 and boom.voltage == 0.0 and stick.voltage == 0.0
     phase = 0.0 if is_shut else (state.phase + p.dither_frequency * dt) % 1.0
     after = state._replace(
@@ -174,12 +174,13 @@ def _axis(
     supply: float,
     tank: float,
     measured: bool,
-    position: float,
+    motion: Motion,
     state: State,
     p: Parameters,
     dt: float,
 ) -> AxisMemory:
-    """Return one axis a step on; supply and tank [Pa], position [rad; m]; measured: the pressures are."""
+    """Return one axis a step on; supply and tank [Pa]; measured: the pressures are."""
+    position = motion.positions[i]
     axis, hold, wanted, saturated = p.axes[i], state.holds[i], command, False
     low, high = -axis.valve.backward.rated_voltage, axis.valve.forward.rated_voltage
     if not math.isfinite(command):
@@ -191,7 +192,8 @@ def _axis(
         wanted = 0.0
         if fed != 0.0:
             along = math.copysign(fed, hold.way)
-            oil = OilState(state.loads[i], state.rocking[i], mean, supply, tank)
+            outlet = motion.valve_2[i] if along > 0.0 else motion.valve_1[i]
+            oil = OilState(state.loads[i], state.rocking[i], mean, supply, tank, outlet)
             wanted = spool_voltage(along, oil, position, axis, law, p)
         if fed * hold.way < 0.0:
             wanted = _within_the_overlap(wanted, law)

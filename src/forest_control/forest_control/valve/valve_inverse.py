@@ -12,6 +12,7 @@ from forest_description.hydraulics.valve_characteristic import ValveLaw, voltage
 
 LEAST_DROP = 0.03  # [1] of the pump's pressure, taken to remain over an edge to it; chosen
 LEAST_PART = 0.1  # [1] of a port's usual root of the pressure drop, taken to remain; chosen
+PASSES = 0.5  # [1] of the metering drop, from which oil comes back through the outlet's edge; chosen
 PRESSING = 0.1  # [s] in which an empty port's air is pressed; chosen
 
 
@@ -23,6 +24,7 @@ class OilState(NamedTuple):
     mean: float  # of both ports, see `_filling_factor`; negative: not known
     supply: float
     tank: float  # of the tank line
+    outlet: float = 0.0  # at the valve, where the oil comes back; NaN: not measured
 
 
 def spool_voltage(
@@ -75,7 +77,8 @@ def _with_pressing(speed: float, oil: OilState, x: float, axis: AxisDriver) -> f
     """Return the speed [m/s; rad/s] whose flow moves an actuator at a speed, and presses its oil.
 
     See `inlet_oil`. Air counts at the higher of inlet and mean: an actuator that brakes empties its
-    inlet, and is not fed.
+    inlet, and is not fed. A holding valve counts as shut only while nothing comes back through the valve: a
+    dead transducer must not make an actuator faster.
     """
     a_1, a_2 = axis.displacement_1, axis.displacement_2
     half = 0.5 * (oil.load + oil.rocking) / a_1
@@ -83,10 +86,11 @@ def _with_pressing(speed: float, oil: OilState, x: float, axis: AxisDriver) -> f
     c_1 = axis.oil_1.fixed + axis.oil_1.growing * x
     c_2 = axis.oil_2.fixed + axis.oil_2.growing * x
     spring_1, spring_2 = a_1 * a_1 / c_1, a_2 * a_2 / c_2
+    held = 1.0 if oil.outlet < PASSES * axis.metering_drop else 0.0
     if speed > 0.0:
-        trapped = spring_2 / spring_1 * shut_share(port_1, port_2, axis.holding_2)
+        trapped = held * spring_2 / spring_1 * shut_share(port_1, port_2, axis.holding_2)
         return speed * (1.0 + trapped) + c_1 * lacking_oil(max(port_1, oil.mean), axis.air) / (a_1 * PRESSING)
-    trapped = spring_1 / spring_2 * shut_share(port_2, port_1, axis.holding_1)
+    trapped = held * spring_1 / spring_2 * shut_share(port_2, port_1, axis.holding_1)
     return speed * (1.0 + trapped) - c_2 * lacking_oil(max(port_2, oil.mean), axis.air) / (a_2 * PRESSING)
 
 
