@@ -7,6 +7,7 @@ import pytest
 
 from forest_control.valve import valve_driver_parameters
 from forest_control.valve.inlet_oil import FreeAir, Holding, free_air, holding, lacking_oil, shut_share
+from forest_control.valve.valve_driver import REST, Motion, Pressures, step
 from forest_control.valve.valve_driver_parameters import Settings, parameters
 from forest_control.valve.valve_inverse import PRESSING, OilState, spool_voltage
 from forest_description.hydraulics.load_holding_parameters import PilotCheckValve, RuptureValve
@@ -65,6 +66,18 @@ def test_a_dead_transducer_at_a_cylinder_makes_it_no_faster(i, way, outlet):
         0.1 * axis.rated_speed * area, rel=1e-9
     )
     assert inlet_flow(i, 0.1 * way, 4e6, 4e6) > 0.12 * axis.rated_speed * area
+
+
+@WAYS
+def test_the_driver_looks_at_the_port_where_the_oil_comes_back(way):
+    """The stick has a holding valve at either port."""
+    volts = []
+    for back in (0.0, 3e6):
+        at = ((1e7,) * 3, (back,) * 3) if way > 0.0 else ((back,) * 3, (1e7,) * 3)
+        motion = Motion(tuple(axis.middle for axis in P.axes), *at)
+        ports = Pressures((4e6,) * 3, (4e6,) * 3, 20e6)
+        volts.append(step(REST, (0.0, 0.0, 2.0 * way), ports, motion, P, 0.0)[0].voltages[2] * way)
+    assert volts[0] > volts[1] > 0.0
 
 
 def test_a_counterbalance_valve_is_open_from_where_load_and_pilot_together_reseat_it():
@@ -127,7 +140,7 @@ def test_an_empty_swing_gets_its_air_pressed_in_the_stated_time_and_one_that_bra
     assert inlet_flow(0, share, *braking) == pytest.approx(moved, rel=1e-6)
 
 
-def test_the_tip_of_a_forwarder_falls_behind_by_half_as_much_as_it_starts(monkeypatch):
+def test_pressed_oil_takes_a_third_of_what_the_tip_of_a_forwarder_falls_behind_by(monkeypatch):
     """Its swing's ports are empty, and its stick's valve is opened by 13 MPa."""
 
     def furthest():
