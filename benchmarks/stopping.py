@@ -11,6 +11,7 @@ believe the machine as its file has it. Both machines, and every row, get the sa
 | beside | its greatest way beside that line, within 0.5 s |
 | rocks | of how many motions the tip was faster than 0.05 m/s at any time from 0.25 s to 1.5 s |
 | over | motions over 0.25 s / over 70 mm |
+| peak | greatest speed of the tip until then, m/s |
 | rock | its greatest distance from its mean place of 1 to 1.5 s, from 0.25 s on |
 
 Rows of the matrix draw another plant for every motion, as `forest-study matrix` does in its row "both".
@@ -87,6 +88,7 @@ class Stop(NamedTuple):
     later: float  # [m/s] greatest speed after `WITHIN`
     rock: float  # [m] greatest distance from its place at rest after `WITHIN`
     margin: float  # [rad] least, of all joints
+    peak: float  # [m/s] of the tip before the release
     shut: float  # [s] after the release, from when on no valve is open
 
 
@@ -204,6 +206,7 @@ def stop_of(moved: Trajectory, released: int, machine: Machine) -> Stop:
         rock=float(
             np.linalg.norm(moved.tip[released + late :] - moved.tip[-JUDGED:].mean(axis=0), axis=1).max()
         ),
+        peak=float(np.linalg.norm(velocity[:released], axis=1).max()),
         margin=float(np.minimum(moved.angles - low, high - moved.angles).min()),
         shut=PERIOD * float(open_valves[-1] + 1) if len(open_valves) else 0.0,
     )
@@ -232,6 +235,7 @@ def cells(ended: list[Stop]) -> list[str]:
         f"{late} / {far} of {len(ended)}",
         f"{rocks:.0%}".replace("%", " %"),
         spread((1e3 * stop.rock for stop in ended), ".0f"),
+        spread((stop.peak for stop in ended), ".2f"),
     ]
 
 
@@ -258,10 +262,12 @@ def main() -> None:
     ended: dict[str, dict[str, list[Stop]]] = {name: {} for name in options.machines}
     print(
         "| | "
-        + " | ".join(f"{name}, s | mm | beside, mm | over | rocks | rock, mm" for name in options.machines)
+        + " | ".join(
+            f"{name}, s | mm | beside, mm | over | rocks | rock, mm | peak, m/s" for name in options.machines
+        )
         + " |"
     )
-    print("|---|" + "---|" * 6 * len(options.machines))
+    print("|---|" + "---|" * 7 * len(options.machines))
     for key in options.rows:
         line = [ROWS[key].title]
         for name in options.machines:
