@@ -68,6 +68,7 @@ class Row(NamedTuple):
     scheme: Scheme = Scheme.COORDINATED
     emergency: bool = False  # zero voltage instead of the stop along the path
     drawn: bool = False  # every motion has another plant
+    acceleration: float = -1.0  # [m/s^2] of the reference; negative: by the machine's rule
 
 
 class Motion(NamedTuple):
@@ -123,6 +124,7 @@ ROWS = {
     "emergency": Row("emergency stop", _same, emergency=True),
     "matrix": Row("plants of the matrix", _same, drawn=True),
     "matrix-emergency": Row("plants of the matrix, emergency stop", _same, emergency=True, drawn=True),
+    "quick": Row("`tip_acceleration` 4 m/s²", _same, acceleration=4.0),
     "joint": Row("`joint`, levers up to full", _same, 0.5, Scheme.JOINT),
 }
 
@@ -145,7 +147,7 @@ def motion(machine: Machine, number: int, speed: float) -> Motion:
 
 def run(machine: Machine, model: Machine, number: int, row: Row) -> tuple[Trajectory, int]:
     """Return a motion's session, and the row in which the deadman is let go."""
-    done, settings = motion(model, number, row.speed), controller_settings.Settings(tip_speed=row.speed)
+    done, settings = motion(model, number, row.speed), _settings(row)
     plant = plant_parameters(machine)
     if row.drawn:
         plant = applied(machine, draw(number, matrix_rows()["both"].ranges))
@@ -155,10 +157,16 @@ def run(machine: Machine, model: Machine, number: int, row: Row) -> tuple[Trajec
         machine,
         done.levers,
         done.start,
-        settings._replace(scheme=row.scheme),
+        settings,
         valve_driver_parameters.Settings(),
     )
     return compiled_loop.run(*given, model=model, suite=noisy(machine, number), plant=plant), done.released
+
+
+def _settings(row: Row) -> controller_settings.Settings:
+    return controller_settings.Settings(
+        tip_speed=row.speed, scheme=row.scheme, tip_acceleration=row.acceleration
+    )
 
 
 def slammed(
