@@ -13,6 +13,7 @@ from forest_control.servo.acceleration_rule import (
     TIP_SPEED,
     acceleration_by_rule,
     overshoot,
+    ramp_time,
 )
 from forest_control.servo.joint_response import poses, rate_response
 from forest_description.machine import load_machine
@@ -35,9 +36,17 @@ def test_a_ramp_over_a_whole_period_leaves_it_at_rest():
 
 
 def test_stiff_oil_bears_the_highest_acceleration_and_soft_oil_less():
-    assert acceleration_by_rule(load_machine("c180_hoses")) == HIGHEST_ACCELERATION
+    assert ramp_time(load_machine("c180_hoses")) == TIP_SPEED / HIGHEST_ACCELERATION
     soft = replace(C180, hose=replace(C180.hose, capacitance=4.0 * C180.hose.capacitance))
-    assert TIP_SPEED / LONGEST <= acceleration_by_rule(soft) < acceleration_by_rule(C180) < 2.5
+    assert 0.2 < ramp_time(C180) < ramp_time(soft) <= LONGEST
+
+
+def test_a_faster_tip_has_as_long_a_ramp_and_a_slower_one_as_steep_a_one():
+    half = acceleration_by_rule(C180, TIP_SPEED)
+    assert half == TIP_SPEED / ramp_time(C180)
+    assert acceleration_by_rule(C180, 0.1) == half
+    assert acceleration_by_rule(C180, 1.2 * TIP_SPEED) == pytest.approx(1.2 * half)
+    assert acceleration_by_rule(C180, 10.0) == HIGHEST_ACCELERATION
 
 
 def test_behind_compensators_the_inlets_oil_alone_is_a_spring_after_a_rest():
@@ -56,4 +65,4 @@ def test_an_acceleration_that_a_person_sets_overrules_the_rule():
     assert parameters(C180, Settings(tip_acceleration=3.0)).coordinated.acceleration == 3.0
     for left in (0.0, -1.0):
         by_rule = parameters(C180, Settings(tip_acceleration=left)).coordinated.acceleration
-        assert by_rule == acceleration_by_rule(C180)
+        assert by_rule == acceleration_by_rule(C180, Settings().tip_speed)

@@ -195,7 +195,8 @@ def parameters(machine: Machine, settings: Settings, workspace: Workspace = OPEN
 def with_rules(machine: Machine, settings: Settings) -> Settings:
     """Return settings with what the machine's rules say in place of negative gains and no acceleration."""
     if settings.tip_acceleration <= 0.0:
-        settings = settings._replace(tip_acceleration=acceleration_by_rule(machine))
+        by_rule = acceleration_by_rule(machine, settings.tip_speed)
+        settings = settings._replace(tip_acceleration=by_rule)
     k_p, k_i, d = settings.feedback_gain, settings.integral_gain, settings.rate_gain
     if min(*k_p, *k_i, *d) >= 0.0:
         return settings

@@ -31,9 +31,17 @@ FREQUENCY: Floats = np.geomspace(0.05, 30.0, 400)  # [Hz] from under the slowest
 TIME: Floats = np.arange(0.0, 2.0, 0.01)  # [s] after the ramp's begin, in which it overshoots
 
 
+def acceleration_by_rule(machine: Machine, speed: float) -> float:
+    """Return the greatest acceleration of the tip [m/s^2] at a full lever's speed [m/s].
+
+    A faster tip has as long a ramp: its wider valves damp more. A slower one overshoots by no more m/s.
+    """
+    return min(HIGHEST_ACCELERATION, max(speed, TIP_SPEED) / ramp_time(machine))
+
+
 @lru_cache(maxsize=16)  # a node that runs asks again whenever a parameter is set
-def acceleration_by_rule(machine: Machine) -> float:
-    """Return the greatest acceleration of the tip [m/s^2] after which no joint overshoots."""
+def ramp_time(machine: Machine) -> float:
+    """Return how long a ramp to `TIP_SPEED` lasts after which no joint overshoots [s]."""
     s: Complexes = 2j * math.pi * FREQUENCY
     answers = np.array(
         [
@@ -43,11 +51,10 @@ def acceleration_by_rule(machine: Machine) -> float:
             for speed in (TIP_SPEED, -TIP_SPEED)
         ]
     )
-    shortest = TIP_SPEED / HIGHEST_ACCELERATION
-    for duration in np.arange(shortest, LONGEST, STEP):
+    for duration in np.arange(TIP_SPEED / HIGHEST_ACCELERATION, LONGEST, STEP):
         if overshoot(answers, duration) <= OVERSHOOT:
-            return TIP_SPEED / float(duration)
-    return TIP_SPEED / LONGEST
+            return float(duration)
+    return LONGEST
 
 
 def overshoot(answers: Complexes, duration: float) -> float:
