@@ -102,6 +102,12 @@ def oblique(length, radius=math.inf, stops=None):
     return Leg(1, "tried", path, ways, np.full(2, 0.04)), along, across
 
 
+def test_the_bounds_are_those_of_the_documents():
+    """Each is a choice: whoever changes it shall mean to."""
+    assert (PATIENCE, NEAR, SETTLED, STUCK, PROGRESS) == (10.0, 0.01, 1.5, 3.0, 0.005)
+    assert (FARTHEST, GAP, BRAKE, BACK, LEAST, BASE) == (0.09, 0.1, 1.0, 0.15, 0.02, 0.02)
+
+
 def test_phases_have_the_numbers_that_cycle_status_carries():
     assert [(phase.name, phase.value) for phase in Phase] == [
         ("IDLE", 0),
