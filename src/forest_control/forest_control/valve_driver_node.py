@@ -13,7 +13,7 @@ from forest_control import compiled
 from forest_control.valve import valve_driver
 from forest_control.valve.command_gate import Command, CommandGate, Verdict
 from forest_control.valve.valve_driver_configuration import DriverConfiguration
-from forest_control.valve.valve_driver_topics import Commands, Measurements, Outputs
+from forest_control.valve.valve_driver_topics import Commands, Measurements, Outputs, of_pressures
 from forest_description.types import ZERO
 from forest_msgs_py.clock.node_clock import node_clock
 from forest_msgs_py.interfaces import topics
@@ -81,11 +81,11 @@ class ValveDriverNode(Node):
     def _advance(self, command: Command) -> None:
         core = self._configuration.core
         problem = self._measured.read(core.adapt)
-        self._diagnostics.note("pressures", problem and f"{problem}; the nominal load is taken")
         moved = self._measured.machine_time(command.stamp)
         self._period, dt = stamped_period.time_in_force(self._period, moved, self._nominal)
         pressures, motion = self._measured.pressures(), self._measured.motion()
         self._state, voltages = self._step(self._state, command.values, pressures, motion, core, dt)
+        self._diagnostics.note("pressures", of_pressures(problem, pressures, self._state))
         self._out.say(command.stamp, voltages)
         self._out.report(command.stamp, self._state, core)
         self._tell(command.stamp)

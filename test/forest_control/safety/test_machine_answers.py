@@ -133,7 +133,7 @@ def test_what_does_not_count_leaves_the_sums_as_they_were(joint, changed, counts
 
 
 @every_joint
-@pytest.mark.parametrize(("now", "counts"), [(1.0, True), (0.51, True), (0.49, False), (-1.0, False)])
+@pytest.mark.parametrize(("now", "counts"), [(1.0, True), (0.81, True), (0.79, False), (-1.0, False)])
 @pytest.mark.parametrize("side", [1.0, -1.0])
 def test_while_its_command_falls_a_joint_runs_on_and_is_not_judged(joint, now, counts, side):
     before = Answers(commanded=at(joint, 0.2 * side), measured=at(joint, 0.3 * side), times=(2.0, 2.0, 2.0))

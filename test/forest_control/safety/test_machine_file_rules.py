@@ -20,7 +20,8 @@ from forest_msgs_py.types import PERIOD
 C180 = load_machine("c180_hoses")
 P = controller_settings.parameters(C180, controller_settings.Settings())
 ANGLES = (0.0, 0.5, -1.4)
-NO_OVERLOAD = Overload()
+LONG_OPEN = (9.0, 9.0, 9.0)  # [s] for which valves have been open
+NO_OVERLOAD = Overload(opened=LONG_OPEN)
 FITTING = cylinder_length(ANGLES[1], P.linkages[0]), cylinder_length(ANGLES[2], P.linkages[1])
 
 
@@ -129,6 +130,36 @@ def look(
 ):  # fmt: skip
     """One sample of a crane whose joints are unlike."""
     return watched(check, ANGLES, rates, lengths, u, voltages, overload, pressures, UNLIKE, PERIOD)
+
+
+def test_what_goes_back_faster_than_its_valve_would_lead_it_is_pulled():
+    """At most twice the commanded rate counts against the file; what goes as commanded counts whole."""
+    ways = look(rates=(-0.5, -0.3, -0.6)).ways
+    assert ways == pytest.approx((-0.2 * PERIOD, -0.3 * PERIOD, -0.6 * PERIOD))
+    assert look(rates=(0.5, 0.6, 0.9)).ways == pytest.approx((0.5 * PERIOD, 0.6 * PERIOD, 0.9 * PERIOD))
+    assert look(rates=(0.5, 0.6, 0.9), u=(-0.1, -0.2, -0.3)).ways == pytest.approx(
+        (-0.2 * PERIOD, -0.4 * PERIOD, -0.6 * PERIOD)
+    )
+
+
+@every_joint
+def test_a_way_counts_once_the_pump_has_had_its_time(joint):
+    slow = UNLIKE._replace(speed_limits=UNLIKE.speed_limits._replace(build_up=0.3))
+    for opened, counts in ((0.31, True), (0.29, False), (-0.31, True), (-0.29, False), (0.0, False)):
+        over = Overload(opened=at(joint, opened))
+        found = watched(
+            UNASKED,
+            ANGLES,
+            at(joint, 0.1),
+            UNREAD,
+            at(joint, 0.1),
+            (5.0,) * 3,
+            over,
+            NO_PRESSURES,
+            slow,
+            PERIOD,
+        )
+        assert (found.ways[joint] != 0.0) == counts
 
 
 def test_each_joint_s_way_is_its_own_rate_s_towards_its_own_command():

@@ -6,12 +6,14 @@ import pytest
 from unlike_joints import BACKWARD, FORWARD, LAGS, RATED, UNLIKE, at
 
 from forest_control.config import controller_settings
+from forest_control.limits.actuator_speed_limits import build_up_time
 from forest_control.safety.overloaded_joint import (
     LONG,
     WAY,
     Overload,
     commanded_rates,
     goes_back,
+    is_fed,
     is_overloaded,
     objection,
     opens,
@@ -140,6 +142,52 @@ def test_what_a_joint_owes_and_its_way_back_count_from_below_zero_by_its_spool_s
     late = [PERIOD - lag for lag in LAGS]
     assert step(before=Overload(), rates=ZERO).since == pytest.approx(late)
     assert step(before=Overload()).times == pytest.approx(late)
+
+
+def test_a_load_sensing_pump_rises_by_its_margin_in_its_response_time():
+    """18 MPa of the loader's are seven margins and a fifth above its idle 2.2 MPa, of 50 ms each."""
+    of = {name: build_up_time(load_machine(name).pump) for name in ("c180", "forwarder", "loader")}
+    assert of == {"c180": 0.0, "forwarder": pytest.approx(0.27), "loader": pytest.approx(0.3591, abs=1e-4)}
+    p = controller_settings.parameters(load_machine("loader"), controller_settings.Settings())
+    assert p.speed_limits.build_up == of["loader"]
+
+
+SLOW_PUMP = UNLIKE._replace(speed_limits=UNLIKE.speed_limits._replace(build_up=0.3))
+
+
+@every_joint
+@pytest.mark.parametrize("side", [1.0, -1.0])
+def test_a_valve_counts_as_fed_once_it_was_open_to_one_side_for_as_long_as_the_pump_needs(joint, side):
+    def opened(before, volts):
+        over = BEFORE._replace(opened=before)
+        return watched(over, U, ZERO, at(joint, side * volts), SLOW_PUMP, PERIOD)
+
+    told = opened(at(joint, side * 0.1), 5.0).opened[joint]
+    assert told == pytest.approx(side * (0.1 + PERIOD))
+    assert opened(at(joint, -side * 0.1), 5.0).opened[joint] == pytest.approx(side * PERIOD)
+    assert opened(at(joint, side * 0.1), 0.45).opened == ZERO
+    for before, fed in ((0.301, True), (0.294, False)):
+        assert is_fed(opened(at(joint, side * before), 5.0), joint, SLOW_PUMP) == fed
+    assert not is_fed(opened(ZERO, 0.0), joint, UNLIKE)
+
+
+@every_joint
+@pytest.mark.parametrize(("opened", "counts"), [(0.301, True), (0.29, False)])
+def test_times_count_once_the_pump_has_had_its_time(joint, opened, counts):
+    over = BEFORE._replace(opened=at(joint, opened, 0.5))
+    found = watched(over, U, (-0.05, -0.06, -0.07), OPENED, SLOW_PUMP, PERIOD)
+    added = PERIOD if counts else 0.0
+    assert found.since[joint] == pytest.approx(BEFORE.since[joint] + added)
+    assert found.times[joint] == pytest.approx(BEFORE.times[joint] + added)
+    assert found.ways[joint] > BEFORE.ways[joint]
+
+
+@every_joint
+@pytest.mark.parametrize("side", [1.0, -1.0])
+def test_a_joint_that_pays_what_it_owes_has_only_started_late(joint, side):
+    late = Overload(owed=at(joint, 0.04), since=at(joint, 0.4), told=at(joint, 0.4 * side))
+    assert is_overloaded(late._replace(gone=at(joint, 0.039 * side)))
+    assert not is_overloaded(late._replace(gone=at(joint, 0.041 * side)))
 
 
 def test_what_trembles_is_no_command_that_a_joint_could_owe():

@@ -198,7 +198,7 @@ def test_first_pressures_count_whole_and_later_ones_pass_the_low_pass():
 @both_directions
 def test_minimum_drop_bounds_the_compensation_under_an_overload(axis, direction):
     inlet = SIDES[axis].one if direction > 0.0 else SIDES[axis].two
-    load = direction * 1.5 * inlet * SUPPLY
+    load = direction * 1.3 * inlet * SUPPLY
     command, p = direction * 1.0, parameters(minimum_drop=0.25)
     opening = (abs(voltage(axis, command, pressures(axis, load), p)) - 1.0) / 9.0
     free = (abs(voltage(axis, command, pressures(axis, 0.0), p)) - 1.0) / 9.0

@@ -8,8 +8,8 @@ pytest.importorskip("rclpy")
 
 from clock_by_hand import HandClock
 
-from forest_control.valve.valve_driver import STILL, UNSEEN
-from forest_control.valve.valve_driver_topics import Measurements
+from forest_control.valve.valve_driver import REST, STILL, UNSEEN, Pressures
+from forest_control.valve.valve_driver_topics import Measurements, of_pressures
 from forest_msgs_py.interfaces import topics
 from forest_msgs_py.interfaces.messages import float_array, joint_state
 
@@ -68,3 +68,12 @@ def test_the_newest_pressures_tell_how_far_the_machine_is_when_a_command_comes_l
         clock.put(topics.PRESSURES, float_array(topics.PRESSURES, newest, [6e6] * 12))
         measured.read(learning=False)
         assert measured.machine_time(1_000_000_000) == machine
+
+
+def test_pressures_that_the_driver_does_not_believe_are_told():
+    read, believed = Pressures((1e6,) * 3, (1e6,) * 3, 20e6), REST._replace(primed=True)
+    assert of_pressures("", read, believed) == of_pressures("", UNSEEN, REST) == ""
+    assert of_pressures("not finite", UNSEEN, REST) == "not finite; the nominal load is taken"
+    told = of_pressures("", read, REST)
+    assert told.startswith("a pressure is out of its range, or both ends of a swing's hose differ")
+    assert told.endswith("; the nominal load is taken")

@@ -4,17 +4,24 @@ import math
 from pathlib import Path
 
 import pytest
+from unlike_ways import with_unlike_ways
 
 from forest_control.valve import valve_driver, valve_driver_parameters
 from forest_control.valve.valve_driver import REST, STILL, UNSEEN
 from forest_control.valve.valve_driver_parameters import Settings
-from forest_control.valve.valve_inverse import OilState, required_opening, spool_voltage
+from forest_control.valve.valve_inverse import (
+    LEAST_DROP,
+    LEAST_PART,
+    OilState,
+    required_opening,
+    spool_voltage,
+)
 from forest_description.hydraulics.valve_characteristic import opening_at, stroke
 from forest_description.machine import load_machine
 
 REAL = load_machine("c180")
 PLAIN = load_machine(str(Path(__file__).parents[3] / "docs/pictures/plain_sections.yaml"))
-P = valve_driver_parameters.parameters(REAL, Settings())
+P = with_unlike_ways(valve_driver_parameters.parameters(REAL, Settings()))
 SUPPLY, TANK = 17e6, 6e5
 MACHINES = (PLAIN, REAL, load_machine("forwarder"))
 AXES = pytest.mark.parametrize("i", [0, 1, 2])
@@ -129,7 +136,7 @@ def test_only_behind_a_load_sensing_pump_and_without_compensators_a_counterbalan
 @pytest.mark.parametrize("held", [2e6, 14e6])
 def test_where_a_counterbalance_valve_throttles_the_inlets_edge_alone_sets_the_speed(i, share, held):
     """Whatever stands before the valve, the flow of the inlet's measured drop is that of the speed."""
-    p = valve_driver_parameters.parameters(PLAIN, Settings())
+    p = with_unlike_ways(valve_driver_parameters.parameters(PLAIN, Settings()))
     axis, supply, inlet = p.axes[i], 9e6, 6.5e6
     p_1, p_2 = (inlet, held) if share > 0.0 else (held, inlet)
     load = axis.displacement_1 * p_1 - axis.displacement_2 * p_2
@@ -142,3 +149,107 @@ def test_where_a_counterbalance_valve_throttles_the_inlets_edge_alone_sets_the_s
     )
     at = math.copysign(opening_at(stroke(abs(volts), way), axis.valve.curve), volts)
     assert at * math.sqrt((supply - inlet) / edge) == pytest.approx(share * axis.rated_speed * area, rel=1e-9)
+
+
+@pytest.mark.parametrize("share", [0.05, 0.3])
+def test_a_boom_that_rises_heeds_what_its_outlet_leaves(share):
+    """Only its head side has a counterbalance valve: what leaves the rod's does so over the edge."""
+    p = with_unlike_ways(valve_driver_parameters.parameters(PLAIN, Settings()))
+    axis, volts = p.axes[1], []
+    for outlet in (1e6, 4e6):
+        load = axis.displacement_1 * 5e6 - axis.displacement_2 * outlet
+        mean = 0.5 * (5e6 + outlet * axis.displacement_2 / axis.displacement_1)
+        fed, oil = share * axis.valve.forward.rated_voltage, OilState(load, 0.0, mean, 9e6, TANK)
+        volts.append(spool_voltage(fed, oil, axis.middle, axis, axis.valve, p))
+    assert abs(volts[0] - volts[1]) > 0.01 * volts[0]
+
+
+@pytest.mark.parametrize("share", [-0.05, 0.05])
+def test_an_inlet_at_the_pumps_pressure_is_taken_to_leave_a_little(share):
+    """So that a dead transducer opens the valve by a bounded part: 3 % of the pump's pressure remain."""
+    p = with_unlike_ways(valve_driver_parameters.parameters(PLAIN, Settings()))
+    axis, fed = p.axes[2], share * p.axes[2].valve.forward.rated_voltage
+    speed = share * axis.rated_speed
+
+    def asked(inlet):
+        p_1, p_2 = (inlet, 5e6) if share > 0.0 else (5e6, inlet)
+        load = axis.displacement_1 * p_1 - axis.displacement_2 * p_2
+        mean = 0.5 * (p_1 + p_2 * axis.displacement_2 / axis.displacement_1)
+        return spool_voltage(fed, OilState(load, 0.0, mean, 9e6, TANK), axis.middle, axis, axis.valve, p)
+
+    assert LEAST_DROP == 0.03
+    left = 9e6 - 0.03 * p.supply_pressure
+    assert asked(left) == pytest.approx(asked(20e6))
+    assert abs(asked(left - 1e6)) < abs(asked(left))
+    way = axis.valve.forward if share > 0.0 else axis.valve.backward
+    edge, area = (
+        (way.resistance_1, axis.displacement_1) if share > 0.0 else (way.resistance_2, axis.displacement_2)
+    )
+    at = math.copysign(opening_at(stroke(abs(asked(20e6)), way), axis.valve.curve), share)
+    assert at * math.sqrt(0.03 * p.supply_pressure / edge) == pytest.approx(speed * area, rel=1e-9)
+
+
+def one_sided(i, share, soft):
+    """Return an axis without hoses, whose oil on the inlet's or the outlet's side is no spring."""
+    axis = P.axes[i]._replace(hose_linear=0.0, ahead_square=0.0, back_square=0.0)
+    oil = axis.oil_1._replace(fixed=1e9)
+    return axis._replace(oil_1=oil) if (soft == "inlet") == (share > 0.0) else axis._replace(oil_2=oil)
+
+
+def opened(axis, share, load, mean, tank=0.0):
+    """Return the opening for a share of the rated speed."""
+    fed = share * axis.valve.forward.rated_voltage
+    volts = spool_voltage(fed, OilState(load, 0.0, mean, SUPPLY, tank), axis.middle, axis, axis.valve, P)
+    way = axis.valve.forward if share > 0.0 else axis.valve.backward
+    return opening_at(stroke(abs(volts), way), axis.valve.curve)
+
+
+@AXES
+@pytest.mark.parametrize("share", [-0.01, 0.01])
+@pytest.mark.parametrize(("soft", "impossible"), [("outlet", 90e6), ("inlet", 0.0)])
+def test_ports_that_leave_no_drop_open_the_valve_ten_times_as_far_at_the_most(i, share, soft, impossible):
+    """Full, they leave the inlet's edge none; empty, the outlet's."""
+    axis = one_sided(i, share, soft)
+    assert opened(axis, share, 0.0, impossible) == pytest.approx(
+        opened(axis, share, 0.0, -1.0) / LEAST_PART, rel=1e-6
+    )
+    assert LEAST_PART == 0.1
+
+
+@AXES
+@pytest.mark.parametrize("share", [-0.01, 0.01])
+def test_under_a_load_beyond_the_pump_a_tenth_of_its_pressure_is_taken_to_remain(i, share):
+    """The inlet's share of it is what its edge usually has; the port leaves it 2 MPa."""
+    axis = one_sided(i, share, "outlet")
+    area, drop = axis.displacement_1 if share > 0.0 else axis.displacement_2, 2e6
+    load = math.copysign(0.95 * area * SUPPLY, share)
+    inlet = (SUPPLY - drop) * area / axis.displacement_1  # at the mean's scale
+    mean = inlet - 0.5 * abs(load) / axis.displacement_1
+    way = axis.valve.forward if share > 0.0 else axis.valve.backward
+    s = [way.resistance_1 * axis.displacement_1**3, way.resistance_2 * axis.displacement_2**3]
+    usual = 2.0 * s[0 if share > 0.0 else 1] / sum(s) * LEAST_PART * SUPPLY
+    assert opened(axis, share, load, mean) == pytest.approx(
+        opened(axis, share, load, -1.0) * math.sqrt(usual / drop), rel=1e-6
+    )
+
+
+@AXES
+@pytest.mark.parametrize("share", [-0.1, 0.1])
+def test_what_the_tank_line_takes_is_missing_at_the_inlets_edge(i, share):
+    """Half the pump's pressure, less half the load and half the line's, is the inlet's and the outlet's."""
+    axis = one_sided(i, share, "outlet")
+    a_1, a_2, load, tank, mean = axis.displacement_1, axis.displacement_2, 0.0, 2e6, 4e6
+    way = axis.valve.forward if share > 0.0 else axis.valve.backward
+    s = [way.resistance_1 * a_1**3, way.resistance_2 * a_2**3]
+    a_in, a_out, s_in = (a_1, a_2, s[0]) if share > 0.0 else (a_2, a_1, s[1])
+    usual = 2.0 * s_in / sum(s) * 0.5 * (SUPPLY - tank * a_out / a_in)
+    drop = SUPPLY - mean * a_1 / a_in
+    assert opened(axis, share, load, mean, tank) == pytest.approx(
+        opened(axis, share, load, -1.0, tank) * math.sqrt(usual / drop), rel=1e-6
+    )
+
+
+@AXES
+def test_no_opening_is_more_than_the_whole(i):
+    for speed, whole in ((10.0, 1.0), (-10.0, -1.0)):
+        assert required_opening(speed, 0.0, SUPPLY, TANK, P.axes[i], P) == whole

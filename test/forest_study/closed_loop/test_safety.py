@@ -104,6 +104,25 @@ def test_let_go_the_tip_stops_along_its_path_within_a_quarter_second_and_70_mm(d
     assert np.linalg.norm(later - later[-1], axis=1).max() < 0.010
 
 
+def bounces(time, sample):
+    """The levers are let go, and the deadman's contact bounces for 0.4 s."""
+    if time < FAULT:
+        return sample
+    return sample._replace(levers=REST, held=time < FAULT + 0.4 and round(100.0 * time) % 2 == 0)
+
+
+@pytest.mark.parametrize("direction", AXES.values(), ids=AXES)
+def test_let_go_a_deadman_whose_contact_bounces_makes_no_valve_open_further(direction):
+    """With centred levers each bounce arms and disarms: none adds to what was commanded."""
+    velocity = tuple(SPEED * x for x in direction)
+    moved, row = session(Stick(velocity, bounces), FAULT + 0.8), round(FAULT / PERIOD)
+    before = np.abs(moved.commands[row - 40 : row]).max(axis=0)
+    assert (np.abs(moved.commands[row:]) < 1.5 * before + 0.5).all()
+    speed = np.linalg.norm(np.gradient(moved.tip, PERIOD, axis=0), axis=1)
+    assert speed[row:].max() < 1.2 * SPEED + 0.1
+    assert not moved.voltages[row + round(0.65 / PERIOD) :].any()
+
+
 # Start [deg], levers' deflections and for how long [s]; what ails the crane when the deadman is let go.
 MOTIONS = {
     "swing behind its reference": (

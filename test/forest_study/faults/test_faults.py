@@ -31,6 +31,7 @@ CELLS = [
     ("resolver absent", State.STANDING, 9),
     ("resolver frozen", State.EXPERIMENT, 10),
     ("resolvers swapped", State.MOTION, 11),
+    ("swing's pressure 30 MPa high", State.STANDING, 9),
     ("spool stuck", State.MOTION, 12),
     ("supply lost", State.EXPERIMENT, 4),
     ("wrong machine file", State.LIMIT, 8),

@@ -18,6 +18,7 @@ from forest_control.valve.valve_driver_parameters import AxisDriver
 from forest_description.derived.actuator_kinematics import Linkages
 from forest_description.derived.bodies import bearing_stick, boom_body
 from forest_description.geometry.linkage import lever_arm
+from forest_description.hydraulics.pump import LoadSensingPump, Pump
 from forest_description.machine import Machine
 from forest_description.types import Vec3
 
@@ -36,6 +37,7 @@ class SpeedLimitParameters(NamedTuple):
     stick_moment: tuple[float, float]  # alike, with what it carries
     stick_weight: float  # [N]
     linkages: Linkages
+    build_up: float  # [s] in which the pump comes from idle to its highest pressure, see `build_up_time`
 
 
 def gravity_torques(q: Vec3, c: SpeedLimitParameters) -> tuple[float, float]:
@@ -107,4 +109,16 @@ def speed_limit_parameters(
         stick_moment=(m.gravity * stick.mass * stick.x, m.gravity * stick.mass * stick.y),
         stick_weight=m.gravity * stick.mass,
         linkages=machine.linkages,
+        build_up=build_up_time(machine.pump),
     )
+
+
+def build_up_time(pump: Pump) -> float:
+    """Return the time [s] in which a pump comes from idle to its highest pressure, under a load of that.
+
+    What opens a valve lets a load-sensing pump see its own pressure there, until it reaches the load. So it
+    rises by its margin in its response time, at an even rate.
+    """
+    if not isinstance(pump, LoadSensingPump):
+        return 0.0
+    return pump.response_time * (pump.supply_pressure - pump.margin) / pump.margin

@@ -114,8 +114,9 @@ def stop_command(state: State, s: Vec3, p: Parameters, dt: float) -> tuple[State
     stop = stop_profile.advanced(_stop_from(state, s, p) if state.enabled else state.stop, dt)
     if stop_profile.is_over(stop) or state.scheme != p.scheme:
         return state, MotionCommand(phase=Phase.STANDING, pose=s)
-    r = s if state.enabled else state.reference
-    state = state._replace(stop=stop, reference=r)
+    if state.enabled:  # what fades since a resumed stop would be added to this one, again and again
+        state = state._replace(reference=s, offset=ZERO)
+    r, state = state.reference, state._replace(stop=stop)
     if stop.duration != stop_profile.CLOSED_LOOP:
         rates, velocity = stop_profile.commanded(stop, s, p.links)
         return state, MotionCommand(phase=Phase.BRAKING, pose=s, velocity=velocity, rates=rates)

@@ -29,7 +29,7 @@ from forest_description.types import ZERO, Vec3
 TOGETHER = 0.2  # [s] over the time in which a valve, and the oil behind it, answer
 SETTLES = 0.5  # [s] one way: a swing at full speed has sped up, and a joint that took a load has come to rest
 GROWS = 1.1  # [1] of its own low-pass, over which a rate still grows: at even acceleration for 2 s
-FALLS = 2.0  # [1] of the command, from which its own low-pass tells that it falls; a servo takes some back
+FALLS = 1.25  # [1] of the command, from which its own low-pass tells that it falls; a servo takes some back
 COMMANDED = 0.35  # [V] of an ideal valve for u, from which it counts: an overlap may be 0.15 V off the file's
 TOLD = 8e-3  # [rad^2/s] of integral u^2 that judges, 0.1 rad/s for 0.8 s; the forwarder's oil fills till then
 MOVED = 2e-3  # [rad^2/s] of integral v^2 that judges a joint that is too fast: a quarter of it

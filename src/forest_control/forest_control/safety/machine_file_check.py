@@ -34,8 +34,8 @@ from typing import NamedTuple
 from forest_control.config.controller_settings import Parameters
 from forest_control.limits.load_weighing import Pressures
 from forest_control.safety import machine_answers, overloaded_joint
-from forest_control.safety.machine_answers import NO_ANSWERS, Answers
-from forest_control.safety.overloaded_joint import Overload, opens
+from forest_control.safety.machine_answers import FASTEST, NO_ANSWERS, Answers
+from forest_control.safety.overloaded_joint import Overload, is_fed, opens
 from forest_control.servo.joint_angle_filter import FARTHEST, Lengths
 from forest_description.geometry.linkage import angle_at
 from forest_description.types import AXES, ZERO, Vec3
@@ -81,7 +81,7 @@ def watched(
         lengths: of the cylinders of boom and stick [m]; NaN: not measured.
         asked: joint rates [rad/s] of the command since the last sample.
         voltages: of the valves, as the driver says [V]: what no open valve has moved proves nothing.
-        overload: joints that have gone against their valves.
+        overload: joints that have gone against their valves, and for how long these have been open.
         pressures: in the boom's cylinder, head and rod side [Pa]; NaN: not measured.
         p: the controller's parameters.
         dt: since the last sample [s].
@@ -92,9 +92,9 @@ def watched(
     u = _opened_for(asked, voltages, loaded, p)
     sides = _side(before.sides[0], u[0]), _side(before.sides[1], u[1]), _side(before.sides[2], u[2])
     ways = (
-        _way(before, sides, rates, u, 0, dt),
-        _way(before, sides, rates, u, 1, dt),
-        _way(before, sides, rates, u, 2, dt),
+        _way(before, sides, rates, u, is_fed(overload, 0, p), 0, dt),
+        _way(before, sides, rates, u, is_fed(overload, 1, p), 1, dt),
+        _way(before, sides, rates, u, is_fed(overload, 2, p), 2, dt),
     )
     answers = machine_answers.answered(before.answers, angles, u, rates, pressures, p, dt)
     boom, stick = _misfit(lengths[0], angles[1], 0, p), _misfit(lengths[1], angles[2], 1, p)
@@ -129,12 +129,17 @@ def _side(before: float, u: float) -> float:
     return math.copysign(1.0, u) if u != 0.0 else before
 
 
-def _way(before: FileCheck, sides: Vec3, rates: Vec3, u: Vec3, i: int, dt: float) -> float:
-    """Return the way of one joint [rad]."""
+def _way(before: FileCheck, sides: Vec3, rates: Vec3, u: Vec3, fed: bool, i: int, dt: float) -> float:
+    """Return the way of one joint [rad]; fed: its valve has its pressure.
+
+    What goes back faster than a valve would lead it is pulled, by a load that sways.
+    """
     if before.ways[i] >= PROVEN:
         return PROVEN
     begun = 0.0 if before.sides[i] * sides[i] < 0.0 else before.ways[i]
-    return begun if abs(u[i]) < COMMANDED else min(PROVEN, begun + sides[i] * rates[i] * dt)
+    if abs(u[i]) < COMMANDED or not fed:
+        return begun
+    return min(PROVEN, begun + max(sides[i] * rates[i], -FASTEST * abs(u[i])) * dt)
 
 
 def _misfit(length: float, angle: float, i: int, p: Parameters) -> float:

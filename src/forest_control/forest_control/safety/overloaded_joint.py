@@ -13,6 +13,9 @@ valve throws the tip. So the valves are shut, and a person must want to move aga
 | owed | what it has not gone with it: integral of abs u - abs v / `ANSWERS`, of low-passed u and v | rad |
 | since | how long it has owed something | s |
 
+Times begin once the pump may have built up its pressure: a load-sensing one takes its time from when a valve
+opens, and a load moves its joint back meanwhile.
+
 Not seen: a joint that goes at a tenth of its rate.
 """
 
@@ -41,6 +44,7 @@ class Overload(NamedTuple):
     since: Vec3 = ZERO  # [s]
     gone: Vec3 = ZERO  # v, low-passed [rad/s]
     told: Vec3 = ZERO  # u, likewise
+    opened: Vec3 = ZERO  # [s] since the valve opened to this side, signed by it
 
 
 def commanded_rates(angles: Vec3, command: Vec3, p: Parameters) -> Vec3:
@@ -70,6 +74,12 @@ def watched(before: Overload, u: Vec3, rates: Vec3, voltages: Vec3, p: Parameter
         p: the controller's parameters.
         dt: since the last sample [s].
     """
+    opened = (
+        _opened(before, voltages, 0, p, dt),
+        _opened(before, voltages, 1, p, dt),
+        _opened(before, voltages, 2, p, dt),
+    )
+    before = before._replace(opened=opened)
     gone, told = _passed(before.gone, rates, dt), _passed(before.told, u, dt)
     owed = (
         _owed(before, u, told, gone, voltages, 0, p, dt),
@@ -84,7 +94,20 @@ def watched(before: Overload, u: Vec3, rates: Vec3, voltages: Vec3, p: Parameter
     way_1, time_1 = _gone_back(before, rates, voltages, 0, p, dt)
     way_2, time_2 = _gone_back(before, rates, voltages, 1, p, dt)
     way_3, time_3 = _gone_back(before, rates, voltages, 2, p, dt)
-    return Overload((way_1, way_2, way_3), (time_1, time_2, time_3), owed, since, gone, told)
+    return Overload((way_1, way_2, way_3), (time_1, time_2, time_3), owed, since, gone, told, opened)
+
+
+def _opened(before: Overload, voltages: Vec3, i: int, p: Parameters, dt: float) -> float:
+    """Return for how long one valve has been open to its side [s], signed by it; 0: it is shut."""
+    if not opens(voltages[i], i, p):
+        return 0.0
+    begun = before.opened[i] if before.opened[i] * voltages[i] > 0.0 else 0.0
+    return begun + math.copysign(dt, voltages[i])
+
+
+def is_fed(overload: Overload, i: int, p: Parameters) -> bool:
+    """Tell whether one joint's valve has been open for as long as the pump may need for its pressure."""
+    return abs(overload.opened[i]) > p.speed_limits.build_up
 
 
 def _passed(before: Vec3, now: Vec3, dt: float) -> Vec3:
@@ -111,7 +134,7 @@ def _later(before: Overload, owed: Vec3, i: int, p: Parameters, dt: float) -> fl
     if owed[i] <= 0.0:
         return 0.0
     begun = before.since[i] if before.owed[i] > 0.0 else -p.speed_limits.axes[i].spool.lag
-    return begun + dt
+    return begun + dt if is_fed(before, i, p) else begun
 
 
 def _gone_back(
@@ -126,7 +149,7 @@ def _gone_back(
         return 0.0, 0.0
     # A spool that lags opens by and by: its time begins below zero.
     time = before.times[i] if before.ways[i] > 0.0 else -axis.spool.lag
-    return before.ways[i] + abs(rates[i]) * dt, time + dt
+    return before.ways[i] + abs(rates[i]) * dt, time + dt if is_fed(before, i, p) else time
 
 
 def is_overloaded(overload: Overload) -> bool:
@@ -135,7 +158,9 @@ def is_overloaded(overload: Overload) -> bool:
 
 
 def _refuses(overload: Overload, i: int) -> bool:
-    return goes_back(overload, i) or (overload.owed[i] > OWED and overload.since[i] > STARTS)
+    """Tell whether one joint goes back, or stands; one that pays what it owes has only started late."""
+    pays = abs(overload.gone[i]) > ANSWERS * abs(overload.told[i])
+    return goes_back(overload, i) or (overload.owed[i] > OWED and overload.since[i] > STARTS and not pays)
 
 
 def goes_back(overload: Overload, i: int) -> bool:

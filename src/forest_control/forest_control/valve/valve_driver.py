@@ -45,7 +45,8 @@ ValveEstimates = tuple[ValveEstimate, ValveEstimate, ValveEstimate]
 Holds = tuple[HoldState, HoldState, HoldState]
 
 LOWEST_SUPPLY = 0.25  # [1] of the idle supply pressure: below, the pump is off or its transducer broken
-HIGHEST = 2.0  # [1] of the nominal supply pressure: above, a transducer is broken; chosen
+HIGHEST = 1.5  # [1] of the nominal supply pressure: above, a transducer is broken; levers thrown give 1.26
+APART = 0.25  # [1] of it between both ends of a swing's hose: beyond, one is broken; levers thrown give 0.16
 FILLING = 60.0  # [rad/s] low-pass of the ports' mean pressure, 10 Hz; chosen, not measured
 HOLD_COMMAND = 1e-6  # [V] below which the actuator is to be held: above the servo's `HOLD_RATE` as a voltage
 LOWEST_PORT = 1e6  # [Pa] below tank: behind a long hose a port may read less than zero for a moment
@@ -123,7 +124,7 @@ def step(
         dt: for how long the last voltages were in force [s], by the machine's time; 0 where these
             commands come so close behind others that those never took effect.
     """
-    measured = plausible(pressures, p)
+    measured = plausible(pressures, p) and ends_agree(pressures, motion, p)
     state = _filter_loads(state, pressures, motion.positions[0], measured, p, dt)
     if dt > 0.0:
         state = _moved_on(state, p, dt)
@@ -301,6 +302,15 @@ def plausible(pressures: Pressures, p: Parameters) -> bool:
         if not -LOWEST_PORT <= pressures.port_1[i] <= high or not -LOWEST_PORT <= pressures.port_2[i] <= high:
             return False
     return True
+
+
+def ends_agree(pressures: Pressures, motion: Motion, p: Parameters) -> bool:
+    """Tell whether the transducers at both ends of the swing's hoses agree, as far as there are two.
+
+    By a swing that seems to bear what it does not, its valve would be opened while it should rest.
+    """
+    one, two = pressures.port_1[0] - motion.valve_1[0], pressures.port_2[0] - motion.valve_2[0]
+    return not (abs(one) > APART * p.supply_pressure or abs(two) > APART * p.supply_pressure)
 
 
 def _filter_loads(

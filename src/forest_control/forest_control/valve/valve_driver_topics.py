@@ -29,6 +29,19 @@ def _labels(place: str, port: int) -> tuple[str, ...]:
 PORTS, VALVES = [[_labels(place, port) for port in (1, 2)] for place in ("actuator", "valve")]
 
 
+def of_pressures(problem: str, pressures: Pressures, state: State) -> str:
+    """Return what is wrong with the pressures, in words, or "".
+
+    Args:
+        problem: why they cannot be read.
+        pressures: that were read.
+        state: the driver's, after its step with them.
+    """
+    if not problem and pressures is not UNSEEN and not state.primed:
+        problem = "a pressure is out of its range, or both ends of a swing's hose differ; allowed: true ones"
+    return problem and f"{problem}; the nominal load is taken"
+
+
 class Commands:
     """The commands of ideal valves.
 

@@ -288,6 +288,13 @@ SENSORS = {
         _off(0.2, 0.02),
         seen=wires.frozen_pressures,
     ),
+    "swing's pressure 30 MPa high": Fault(
+        "the transducer at one port of its motor",
+        "Both ends of a hose tell: over a quarter of the pump's pressure apart, the nominal load is taken.",
+        same(Bound(off=0.2, speed=0.9), HELD, STANDING=Bound(off=0.01, speed=0.1, again=False))
+        | {State.EXPERIMENT: Bound(again=False)},
+        seen=wires.swing_pressure_high,
+    ),
     "pressures 3 MPa high": Fault(
         "all read too much",
         UNSEEN + " Both sides are high alike, so that the load is known.",

@@ -20,6 +20,7 @@ SLOW = 0.2  # [s] of a contact that flickers: longer than joy_timeout
 RATED = 10.0  # [V]
 CHIP = 0.3  # [1] of the rated voltage at which a spool is held open
 TORN = PortGuard(1e5, 3e-10, 0.0, 0.0)  # 180 L/min at 10 MPa out of each port
+TOO_MUCH = 3e7  # [Pa] that a transducer reads
 NOTHING = 1e-12  # [1] of what a pump gave
 
 
@@ -135,6 +136,13 @@ def no_pressures(_moment: Moment, seen: Measurement) -> Measurement:
 def high_pressures(_moment: Moment, seen: Measurement) -> Measurement:
     """All pressure transducers read 3 MPa too much."""
     return seen._replace(pressures=tuple(p + 3e6 for p in seen.pressures))
+
+
+def swing_pressure_high(_moment: Moment, seen: Measurement) -> Measurement:
+    """The transducer at the swing motor's first port reads too much."""
+    read = list(seen.pressures)
+    read[1] += TOO_MUCH
+    return seen._replace(pressures=tuple(read))
 
 
 def frozen_pressures(moment: Moment, seen: Measurement) -> Measurement:
