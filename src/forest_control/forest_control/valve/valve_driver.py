@@ -46,7 +46,7 @@ Holds = tuple[HoldState, HoldState, HoldState]
 
 LOWEST_SUPPLY = 0.25  # [1] of the idle supply pressure: below, the pump is off or its transducer broken
 HIGHEST = 1.5  # [1] of the nominal supply pressure: above, a transducer is broken; levers thrown give 1.26
-APART = 0.25  # [1] of it between both ends of a swing's hose: beyond, one is broken; levers thrown give 0.16
+APART = 0.5  # [1] of it between both ends of a swing's hose: beyond, one is broken; a push gives 0.3
 FILLING = 60.0  # [rad/s] low-pass of the ports' mean pressure, 10 Hz; chosen, not measured
 HOLD_COMMAND = 1e-6  # [V] below which the actuator is to be held: above the servo's `HOLD_RATE` as a voltage
 LOWEST_PORT = 1e6  # [Pa] below tank: behind a long hose a port may read less than zero for a moment

@@ -290,7 +290,7 @@ SENSORS = {
     ),
     "swing's pressure 30 MPa high": Fault(
         "the transducer at one port of its motor",
-        "Both ends of a hose tell: over a quarter of the pump's pressure apart, the nominal load is taken.",
+        "Both ends of a hose tell: over half of the pump's pressure apart, the nominal load is taken.",
         same(Bound(off=0.2, speed=0.9), HELD, STANDING=Bound(off=0.01, speed=0.1, again=False))
         | {State.EXPERIMENT: Bound(again=False)},
         seen=wires.swing_pressure_high,
