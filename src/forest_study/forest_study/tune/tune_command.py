@@ -89,8 +89,6 @@ class _Progress:
         self._best = min(self._best, last.cost)
         left = (time.monotonic() - self._begun) / count * (self._trials - count)
         change = 100.0 * math.expm1(self._best)
-        self._line.show(
-            f"{count} of {self._trials} trials, error of the worst quarter {change:+.1f} %, {left:.0f} s left"
-        )
+        self._line.show(f"{count} of {self._trials} trials, worst quarter {change:+.1f} %, {left:.0f} s left")
         if count == self._trials:
             self._line.end()
