@@ -7,8 +7,8 @@
 | M | greatest 1/(1 + L) of the joints' loops | 1 |
 
 w is the error's conditional value at risk: a mean over all plants lets few pay for many. Both sides have
-their own greatest quarter. That of the changes plant by plant would be above 0 for any gains, by chance alone:
-a plant that slips at another moment errs by some per cent more or less.
+their own greatest quarter. That of the changes plant by plant would be above 0 for any gains, by chance
+alone: a plant that slips at another moment errs by some per cent more or less.
 
 Powell's COBYQA (scipy) minimises J with M bounded: it needs no derivative, as few runs as a quadratic model
 asks for, and keeps bounds. It is deterministic: a search that was stopped takes the same way again, by the
