@@ -11,6 +11,7 @@ believe the machine as its file has it. Both machines, and every row, get the sa
 | beside | its greatest way beside that line, within 0.5 s |
 | rocks | of how many motions the tip was faster than 0.05 m/s at any time from 0.25 s to 1.5 s |
 | over | motions over 0.25 s / over 70 mm |
+| peak | greatest speed of the tip until then, m/s |
 | rock | its greatest distance from its mean place of 1 to 1.5 s, from 0.25 s on |
 
 Rows of the matrix draw another plant for every motion, as `forest-study matrix` does in its row "both".
@@ -67,6 +68,7 @@ class Row(NamedTuple):
     scheme: Scheme = Scheme.COORDINATED
     emergency: bool = False  # zero voltage instead of the stop along the path
     drawn: bool = False  # every motion has another plant
+    acceleration: float = -1.0  # [m/s^2] of the reference; negative: by the machine's rule
 
 
 class Motion(NamedTuple):
@@ -87,6 +89,7 @@ class Stop(NamedTuple):
     later: float  # [m/s] greatest speed after `WITHIN`
     rock: float  # [m] greatest distance from its place at rest after `WITHIN`
     margin: float  # [rad] least, of all joints
+    peak: float  # [m/s] of the tip before the release
     shut: float  # [s] after the release, from when on no valve is open
 
 
@@ -121,6 +124,7 @@ ROWS = {
     "emergency": Row("emergency stop", _same, emergency=True),
     "matrix": Row("plants of the matrix", _same, drawn=True),
     "matrix-emergency": Row("plants of the matrix, emergency stop", _same, emergency=True, drawn=True),
+    "quick": Row("`tip_acceleration` 4 m/s²", _same, acceleration=4.0),
     "joint": Row("`joint`, levers up to full", _same, 0.5, Scheme.JOINT),
 }
 
@@ -143,7 +147,7 @@ def motion(machine: Machine, number: int, speed: float) -> Motion:
 
 def run(machine: Machine, model: Machine, number: int, row: Row) -> tuple[Trajectory, int]:
     """Return a motion's session, and the row in which the deadman is let go."""
-    done, settings = motion(model, number, row.speed), controller_settings.Settings(tip_speed=row.speed)
+    done, settings = motion(model, number, row.speed), _settings(row)
     plant = plant_parameters(machine)
     if row.drawn:
         plant = applied(machine, draw(number, matrix_rows()["both"].ranges))
@@ -153,10 +157,16 @@ def run(machine: Machine, model: Machine, number: int, row: Row) -> tuple[Trajec
         machine,
         done.levers,
         done.start,
-        settings._replace(scheme=row.scheme),
+        settings,
         valve_driver_parameters.Settings(),
     )
     return compiled_loop.run(*given, model=model, suite=noisy(machine, number), plant=plant), done.released
+
+
+def _settings(row: Row) -> controller_settings.Settings:
+    return controller_settings.Settings(
+        tip_speed=row.speed, scheme=row.scheme, tip_acceleration=row.acceleration
+    )
 
 
 def slammed(
@@ -204,6 +214,7 @@ def stop_of(moved: Trajectory, released: int, machine: Machine) -> Stop:
         rock=float(
             np.linalg.norm(moved.tip[released + late :] - moved.tip[-JUDGED:].mean(axis=0), axis=1).max()
         ),
+        peak=float(np.linalg.norm(velocity[:released], axis=1).max()),
         margin=float(np.minimum(moved.angles - low, high - moved.angles).min()),
         shut=PERIOD * float(open_valves[-1] + 1) if len(open_valves) else 0.0,
     )
@@ -232,6 +243,7 @@ def cells(ended: list[Stop]) -> list[str]:
         f"{late} / {far} of {len(ended)}",
         f"{rocks:.0%}".replace("%", " %"),
         spread((1e3 * stop.rock for stop in ended), ".0f"),
+        spread((stop.peak for stop in ended), ".2f"),
     ]
 
 
@@ -258,10 +270,12 @@ def main() -> None:
     ended: dict[str, dict[str, list[Stop]]] = {name: {} for name in options.machines}
     print(
         "| | "
-        + " | ".join(f"{name}, s | mm | beside, mm | over | rocks | rock, mm" for name in options.machines)
+        + " | ".join(
+            f"{name}, s | mm | beside, mm | over | rocks | rock, mm | peak, m/s" for name in options.machines
+        )
         + " |"
     )
-    print("|---|" + "---|" * 6 * len(options.machines))
+    print("|---|" + "---|" * 7 * len(options.machines))
     for key in options.rows:
         line = [ROWS[key].title]
         for name in options.machines:

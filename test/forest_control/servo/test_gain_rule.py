@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import pytest
 
-from forest_control.config.controller_settings import Settings, parameters, with_gains
+from forest_control.config.controller_settings import Settings, parameters, with_rules
 from forest_control.servo.gain_rule import HIGHEST_GAIN, gains_by_rule, integral
 from forest_description.machine import load_machine
 
@@ -28,13 +28,15 @@ def test_a_swing_whose_valve_is_too_slow_is_not_damped_by_its_rate():
 
 def test_gains_that_a_person_sets_overrule_the_rule_joint_by_joint():
     rule = gains_by_rule(C180)
-    told = with_gains(C180, Settings(feedback_gain=(-1.0, 2.0, 0.0), integral_gain=(1.0, -1.0, -1.0)))
+    told = with_rules(C180, Settings(feedback_gain=(-1.0, 2.0, 0.0), integral_gain=(1.0, -1.0, -1.0)))
     assert told.feedback_gain == (rule.feedback[0], 2.0, 0.0)
     assert told.integral_gain == (1.0, pytest.approx(integral(2.0, 1)), 0.0)
     assert told.rate_gain == rule.rate
     assert parameters(C180, told).coordinated.integral == told.integral_gain
 
 
-def test_settings_without_a_gain_to_find_stay():
-    told = Settings(feedback_gain=(1.0, 1.0, 1.0), integral_gain=(0.0,) * 3, rate_gain=(0.0,) * 3)
-    assert with_gains(C180, told) is told
+def test_settings_without_anything_to_find_stay():
+    told = Settings(
+        tip_acceleration=4.0, feedback_gain=(1.0, 1.0, 1.0), integral_gain=(0.0,) * 3, rate_gain=(0.0,) * 3
+    )
+    assert with_rules(C180, told) is told

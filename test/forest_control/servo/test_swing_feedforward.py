@@ -53,6 +53,17 @@ def test_a_load_sensing_pump_leaves_its_margin_for_either_edge_of_the_swings_val
         assert swing_model(machine).valve_drop == pytest.approx(displacements(machine, 0)[0] * pressure)
 
 
+def test_hose_and_chamber_on_either_side_are_springs_of_the_swing():
+    """The forwarder's racks hold five times as much oil as their hoses."""
+    for machine, softer in ((load_machine("forwarder"), 5.0), (C180, 1.0)):
+        oil, chambers = displacements(machine, 0)[0], machine.swing.chambers
+        held = chambers.port_volume / machine.oil.bulk_modulus if chambers else 0.0
+        hoses = [machine.line(0, port).capacitance for port in (1, 2)]
+        springs = sum(oil**2 / (hose + held) for hose in hoses)
+        assert swing_model(machine).stiffness == pytest.approx(springs, rel=1e-12)
+        assert sum(oil**2 / hose for hose in hoses) >= softer * springs
+
+
 def test_gravity_torques_are_the_plants():
     for q in poses():
         bias = dynamics(q, (0.0, 0.0, 0.0), BODY).bias

@@ -226,3 +226,20 @@ def test_beams_and_head_are_drawn_in_the_machine_s_own_size():
         head = robot.find("link[@name='head']/visual/geometry/sphere")
         assert float(head.get("radius")) < 0.1 * parts.stick_length
     assert sizes["loader"] == pytest.approx(sizes["c180_hoses"] * 2.25 / 4.118356)
+
+
+@EVERY
+def test_every_visual_has_a_colour_that_the_description_tells(machine):
+    robot = ElementTree.fromstring(robot_description(machine))
+    told = {one.get("name"): numbers(one.find("color"), "rgba") for one in robot.findall("material")}
+    assert all(((rgba >= 0.0) & (rgba <= 1.0)).all() and rgba[3] == 1.0 for rgba in told.values())
+    used = {visual.find("material").get("name") for visual in robot.iter("visual")}
+    assert {"paint", "cast", "barrel", "rod"} <= used <= set(told)
+
+
+def test_a_bar_reaches_from_the_tip_to_a_head_that_hangs():
+    robot = ElementTree.fromstring(robot_description(load_machine("c180")))
+    ball, bar = robot.findall("link[@name='head']/visual")
+    middle, size = numbers(bar.find("origin"), "xyz"), numbers(bar.find("geometry/box"), "size")
+    assert middle[2] + 0.5 * size[2] == 0.0
+    assert middle[2] - 0.5 * size[2] == numbers(ball.find("origin"), "xyz")[2]

@@ -82,7 +82,7 @@ def test_a_log_is_drawn_with_the_hanging_head():
     )
     machine = dataclasses.replace(MACHINES["c180_hoses"], manipulator=manipulator)
     scene = scene_of(machine)
-    assert [visual["shape"] for visual in scene["links"]["head"]] == ["sphere", "cylinder"]
+    assert [visual["shape"] for visual in scene["links"]["head"]] == ["sphere", "box", "cylinder"]
     assert {joint["name"] for joint in scene["joints"] if joint["signal"]} == {
         *CRANE_JOINTS,
         *topics.HEAD_JOINTS,

@@ -8,7 +8,7 @@ import pytest
 
 pytest.importorskip("llvmlite")
 
-from forest_control.config.controller_settings import Settings, with_gains
+from forest_control.config.controller_settings import Settings, with_rules
 from forest_control.config.profile_file import with_gains_of
 from forest_description.machine import load_machine
 from forest_study.cli import main
@@ -50,7 +50,7 @@ def counted(monkeypatch):
 
 
 def test_the_rules_gains_are_a_point_of_the_search():
-    told = with_gains(MACHINE, Settings())
+    told = with_rules(MACHINE, Settings())
     assert RULE.feedback_gain == told.feedback_gain
     assert RULE.integral_gain == pytest.approx(told.integral_gain, rel=1e-3)
     assert (RULE.rate_gain, RULE.lead_time) == (told.rate_gain, told.lead_time)

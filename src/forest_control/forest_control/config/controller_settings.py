@@ -10,6 +10,7 @@ from forest_control.limits.singularity import ASIDE, BENT
 from forest_control.limits.velocity_scaling import NO_AXIS, NO_STROKE, Axis, Pumps, Stroke, VelocityLimits
 from forest_control.limits.workspace import OPEN, Workspace
 from forest_control.operator.operator_profile import Frame, Mode, OperatorProfile
+from forest_control.servo.acceleration_rule import acceleration_by_rule
 from forest_control.servo.anti_sway import SwayParameters, sway_parameters
 from forest_control.servo.arm_feedforward import arm_model
 from forest_control.servo.coordinated_servo import CoordinationParameters
@@ -107,8 +108,14 @@ class Settings(NamedTuple):
         float, tunable("low-pass of the loads in the valve driver", "Hz", 0.01, 50.0)
     ] = 1.0
     tip_acceleration: Annotated[
-        float, tunable("largest acceleration of the coordinated scheme's reference", "m/s^2", 0.1, 20.0)
-    ] = 4.0
+        float,
+        tunable(
+            "largest acceleration of the coordinated scheme's reference; 0 or less: by the acceleration rule",
+            "m/s^2",
+            -1.0,
+            20.0,
+        ),
+    ] = -1.0
     anti_sway: Annotated[
         bool, tunable("move the tip so that the hanging head does not sway: coordinated scheme, rate mode")
     ] = False
@@ -144,7 +151,7 @@ class Parameters(NamedTuple):
 
 def parameters(machine: Machine, settings: Settings, workspace: Workspace = OPEN) -> Parameters:
     """Return the core's parameters for a machine and the walls around it."""
-    settings = with_gains(machine, settings)
+    settings = with_rules(machine, settings)
     gains = _gains(machine, settings, 0), _gains(machine, settings, 1), _gains(machine, settings, 2)
     return Parameters(
         scheme=int(settings.scheme),
@@ -185,8 +192,11 @@ def parameters(machine: Machine, settings: Settings, workspace: Workspace = OPEN
     )
 
 
-def with_gains(machine: Machine, settings: Settings) -> Settings:
-    """Return settings whose gains of the coordinated scheme are all told: what is negative, by the rule."""
+def with_rules(machine: Machine, settings: Settings) -> Settings:
+    """Return settings with what the machine's rules say in place of negative gains and no acceleration."""
+    if settings.tip_acceleration <= 0.0:
+        by_rule = acceleration_by_rule(machine, settings.tip_speed)
+        settings = settings._replace(tip_acceleration=by_rule)
     k_p, k_i, d = settings.feedback_gain, settings.integral_gain, settings.rate_gain
     if min(*k_p, *k_i, *d) >= 0.0:
         return settings

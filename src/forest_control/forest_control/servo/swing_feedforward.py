@@ -8,8 +8,8 @@ changes as it speeds up. Boom and stick carry mostly their weight, which the val
 | M_11 | inertia about the swing axis | kg m^2 |
 | r_b, r_s | distance of the boom's, stick's centre of mass from the swing axis | m |
 | D | oil per swing angle | m^3/rad |
-| C | capacitance of one hose; both work on the motor as springs, together 2 D^2 / C | m^3/Pa |
-| w_0 | natural frequency of the crane on this oil, w_0^2 = 2 D^2 / (C M_11) | rad/s |
+| C_1, C_2 | capacitance of hose and chamber on either side; both are springs of the motor | m^3/Pa |
+| w_0 | natural frequency of the crane on this oil, w_0^2 = D^2 (1/C_1 + 1/C_2) / M_11 | rad/s |
 | N | pressure drop of both edges of the swing's valve, as a torque | N m |
 """
 
@@ -17,7 +17,7 @@ import math
 from typing import NamedTuple
 
 from forest_control.servo.arm_feedforward import compliance
-from forest_description.derived.actuator_kinematics import displacements
+from forest_control.valve.valve_driver_parameters import axis_drivers
 from forest_description.derived.bodies import boom_body, stick_body
 from forest_description.machine import Machine
 from forest_description.types import Vec3
@@ -32,7 +32,7 @@ class SwingModel(NamedTuple):
     boom: tuple[float, ...]  # mass, x, y of its centre, I_xx, I_yy, I_zz, I_xy
     stick: tuple[float, ...]  # alike, with what it carries
     damping: float  # [N m s/rad]
-    stiffness: float  # 2 D^2 / C [N m/rad]
+    stiffness: float  # of the oil on both sides, D^2 (1/C_1 + 1/C_2) [N m/rad]
     valve_drop: float  # N [N m] of a crane that is not loaded
     compliance: float  # of the column [rad/(N m)]; 0: it does not twist
 
@@ -55,8 +55,8 @@ def _link_inertia(offset: float, c: float, s: float, body: tuple[float, ...]) ->
 
 def swing_model(machine: Machine) -> SwingModel:
     """Return the constants for a machine."""
-    m, oil = machine.manipulator, displacements(machine, 0)[0]
-    capacitance = 0.5 * (machine.line(0, 1).capacitance + machine.line(0, 2).capacitance)
+    m, axis = machine.manipulator, axis_drivers(machine)[0]
+    oil = axis.displacement_1
     return SwingModel(
         base_offset=m.base_offset,
         boom_length=m.boom_length,
@@ -64,7 +64,7 @@ def swing_model(machine: Machine) -> SwingModel:
         boom=tuple(boom_body(m)),
         stick=tuple(stick_body(m)),
         damping=machine.swing.damping,
-        stiffness=2.0 * oil**2 / capacitance,
+        stiffness=oil * oil / axis.oil_1.fixed + oil * oil / axis.oil_2.fixed,
         # A load-sensing pump leaves its margin for the inlet's edge; the outlet's, alike, takes as much.
         valve_drop=oil * min(machine.pump.supply_pressure, 2.0 * machine.pump.idle_pressure),
         compliance=compliance(machine.swing.elasticity),

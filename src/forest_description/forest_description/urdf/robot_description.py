@@ -36,7 +36,17 @@ from forest_description.machine import Machine
 from forest_description.mechanics.drives import CylinderDrive
 from forest_description.mechanics.load import Log
 from forest_description.types import Vec3
-from forest_description.urdf.urdf_elements import ORIGIN, Inertial, joint, limit, link, mimic, text, visual
+from forest_description.urdf.urdf_elements import (
+    ORIGIN,
+    Inertial,
+    joint,
+    limit,
+    link,
+    material,
+    mimic,
+    text,
+    visual,
+)
 
 FORWARD: Vec3 = (1.0, 0.0, 0.0)
 UP: Vec3 = (0.0, 0.0, 1.0)
@@ -44,6 +54,14 @@ LIFTING: Vec3 = (0.0, -1.0, 0.0)
 ALONG_X: Vec3 = (0.0, 0.5 * math.pi, 0.0)
 """Roll, pitch, yaw that lay a cylinder's axis along x."""
 ALONG_Y: Vec3 = (0.5 * math.pi, 0.0, 0.0)
+COLOURS: dict[str, Vec3] = {
+    "paint": (0.90, 0.66, 0.18),
+    "cast": (0.29, 0.33, 0.36),
+    "barrel": (0.18, 0.22, 0.25),
+    "rod": (0.87, 0.91, 0.93),
+    "wood": (0.60, 0.45, 0.31),
+}
+"""Red, green, blue 0..1, as the operator's page has them."""
 BOOM_SLENDERNESS, STICK_SLENDERNESS = 14.0, 20.0
 """Length over thickness of the beams that stand for boom and stick."""
 HEAD_DENSITY = 3900.0
@@ -52,6 +70,8 @@ LOG_LENGTH, LOG_DENSITY = 4.0, 850.0
 """Of the cylinder that stands for a log [m], [kg/m^3]: green spruce; only its mass is known."""
 WALL, EYE = 0.01, 0.1
 """Of a cylinder's barrel, and the length of its eye [m]."""
+BAR = 0.3
+"""Thickness of the bar that a head hangs from, over the head's radius."""
 PASSIVE_SPEED = 10.0
 """Greatest speed of joints that nothing drives [rad/s, m/s]."""
 
@@ -64,6 +84,8 @@ def robot_description(machine: Machine) -> str:
     cylinders.
     """
     parts, robot = machine.manipulator, ElementTree.Element("robot", name=machine.name)
+    for name, colour in COLOURS.items():
+        material(robot, name, colour)
     link(robot, "base_link")
     _platform(robot, machine)
     _beam(robot, "boom", parts.boom_length, BOOM_SLENDERNESS, boom_body(parts))
@@ -82,14 +104,15 @@ def _platform(robot: ElementTree.Element, machine: Machine) -> None:
     m = machine.manipulator
     diagonal = (0.5 * m.base_zz, 0.5 * m.base_zz, m.base_zz)
     platform = link(robot, "platform", Inertial(m.base_mass, (m.base_x, 0.0, 0.0), diagonal, 0.0))
-    visual(platform, "cylinder", (0.0, 0.0, -0.4), radius="0.35", length="0.8")
+    visual(platform, "cast", "cylinder", (0.0, 0.0, -0.4), radius="0.35", length="0.8")
 
 
 def _beam(robot: ElementTree.Element, name: str, length: float, slenderness: float, body: PlanarBody) -> None:
     """Add a link that looks like a square beam from its joint to the next."""
     side = length / slenderness
     inertial = Inertial(body.mass, (body.x, 0.0, body.y), (body.xx, body.zz, body.yy), -body.xy)
-    visual(link(robot, name, inertial), "box", (0.5 * length, 0.0, 0.0), size=text((length, side, side)))
+    size = text((length, side, side))
+    visual(link(robot, name, inertial), "paint", "box", (0.5 * length, 0.0, 0.0), size=size)
 
 
 def _head(robot: ElementTree.Element, machine: Machine) -> None:
@@ -99,7 +122,7 @@ def _head(robot: ElementTree.Element, machine: Machine) -> None:
     ball = max(0.05, (0.75 * m.head_mass / (math.pi * HEAD_DENSITY)) ** (1.0 / 3.0))
     if m.pendulum is None or hanging is None:
         head = link(robot, "head")
-        visual(head, "sphere", radius=repr(ball))
+        visual(head, "cast", "sphere", radius=repr(ball))
         if m.log is not None:
             _log(head, m.log, (m.log.x, 0.0, m.log.y))
         joint(robot, "head", "fixed", ("stick", "head"), tip)
@@ -109,7 +132,9 @@ def _head(robot: ElementTree.Element, machine: Machine) -> None:
     link(robot, "head_cross")
     head = link(robot, "head", Inertial(hanging.mass, centre, diagonal, 0.0))
     empty = hanging_body(dataclasses.replace(m, log=None)) or hanging
-    visual(head, "sphere", (0.0, 0.0, -empty.length), radius=repr(ball))
+    visual(head, "cast", "sphere", (0.0, 0.0, -empty.length), radius=repr(ball))
+    bar = text((BAR * ball, BAR * ball, empty.length))
+    visual(head, "barrel", "box", (0.0, 0.0, -0.5 * empty.length), size=bar)
     if m.log is not None:
         _log(head, m.log, (0.0, 0.0, -m.log.x))
     in_plane = joint(robot, HEAD_JOINTS[0], "revolute", ("stick", "head_cross"), tip, LIFTING)
@@ -122,7 +147,7 @@ def _log(head: ElementTree.Element, log: Log, centre: Vec3) -> None:
     """Draw a log as thick as its mass makes it: in the crane's plane; one without length, across that."""
     length, direction = (log.length, ALONG_X) if log.length else (LOG_LENGTH, ALONG_Y)
     radius = math.sqrt(log.mass / (math.pi * length * LOG_DENSITY))
-    visual(head, "cylinder", centre, direction, radius=repr(max(radius, 0.05)), length=repr(length))
+    visual(head, "wood", "cylinder", centre, direction, radius=repr(max(radius, 0.05)), length=repr(length))
 
 
 def _moving_joints(robot: ElementTree.Element, machine: Machine) -> None:
@@ -160,8 +185,20 @@ def _cylinders(robot: ElementTree.Element, machine: Machine) -> None:
         )
     ):
         barrel, rod = f"{name}_barrel", f"{name}_rod"
-        _tube(robot, barrel, math.sqrt(drive.head_area / math.pi) + WALL, (0.0, drive.retracted_length - EYE))
-        _tube(robot, rod, math.sqrt((drive.head_area - drive.rod_area) / math.pi), (-drive.stroke - EYE, 0.0))
+        _tube(
+            robot,
+            barrel,
+            "barrel",
+            math.sqrt(drive.head_area / math.pi) + WALL,
+            (0.0, drive.retracted_length - EYE),
+        )
+        _tube(
+            robot,
+            rod,
+            "rod",
+            math.sqrt((drive.head_area - drive.rod_area) / math.pi),
+            (-drive.stroke - EYE, 0.0),
+        )
         along, up = barrel_pivot(drive.linkage)
         pivot, slide = CYLINDER_JOINTS[2 * number : 2 * number + 2]
         turning = joint(robot, pivot, "revolute", (parent, barrel), (at + along, 0.0, up), LIFTING)
@@ -171,8 +208,10 @@ def _cylinders(robot: ElementTree.Element, machine: Machine) -> None:
             mimic(moving, name, follower.multiplier, follower.offset)
 
 
-def _tube(robot: ElementTree.Element, name: str, radius: float, ends: tuple[float, float]) -> None:
+def _tube(
+    robot: ElementTree.Element, name: str, colour: str, radius: float, ends: tuple[float, float]
+) -> None:
     """Add a massless link that looks like a tube along its x axis."""
     middle, length = 0.5 * (ends[0] + ends[1]), ends[1] - ends[0]
     tube = link(robot, name)
-    visual(tube, "cylinder", (middle, 0.0, 0.0), ALONG_X, radius=repr(radius), length=repr(length))
+    visual(tube, colour, "cylinder", (middle, 0.0, 0.0), ALONG_X, radius=repr(radius), length=repr(length))

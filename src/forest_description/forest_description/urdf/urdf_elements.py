@@ -32,13 +32,25 @@ def link(robot: ElementTree.Element, name: str, inertial: Inertial | None = None
     return added
 
 
+def material(robot: ElementTree.Element, name: str, colour: Vec3) -> None:
+    """Add a colour, red, green and blue 0..1, that visuals name."""
+    element = ElementTree.SubElement(robot, "material", name=name)
+    ElementTree.SubElement(element, "color", rgba=f"{text(colour)} 1.0")
+
+
 def visual(
-    owner: ElementTree.Element, shape: str, centre: Vec3 = ORIGIN, turned: Vec3 = ORIGIN, **size: str
+    owner: ElementTree.Element,
+    colour: str,
+    shape: str,
+    centre: Vec3 = ORIGIN,
+    turned: Vec3 = ORIGIN,
+    **size: str,
 ) -> None:
     """Add what a viewer draws: box, cylinder (along its z) or sphere; roll, pitch, yaw turn it."""
     element = ElementTree.SubElement(owner, "visual")
     ElementTree.SubElement(element, "origin", xyz=text(centre), rpy=text(turned))
     ElementTree.SubElement(ElementTree.SubElement(element, "geometry"), shape, size)
+    ElementTree.SubElement(element, "material", name=colour)
 
 
 def joint(

@@ -46,7 +46,7 @@ def numbers(rooms: tuple[str, ...], machine: Machine) -> Changes:
     found: Changes = {}
     for room in rooms:
         if room in NODES:
-            ruled = controller_settings.with_gains(machine, controller_settings.Settings())
+            ruled = controller_settings.with_rules(machine, controller_settings.Settings())
             pairs = (ruled._asdict() if room == "controller" else NODES[room]).items()
             found |= {f"{room}.{name}": value for name, value in pairs if _is_number(value)}
         else:

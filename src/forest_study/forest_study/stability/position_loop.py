@@ -17,7 +17,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from forest_control.config.controller_settings import Settings, with_gains
+from forest_control.config.controller_settings import Settings, with_rules
 from forest_control.servo.gain_rule import servo_response
 from forest_control.valve.valve_driver_parameters import Settings as DriverSettings
 from forest_control.valve.valve_driver_parameters import axis_drivers
@@ -64,7 +64,7 @@ def position_loop(
     driven = spool / abs(answer.rate[0]) * np.exp(-LATE * s)
     given_way = _given_way(machine, angles, axis, answer, s)
     plant = answer.rate * driven / (1.0 + given_way * driven) / s
-    told = with_gains(machine, settings)
+    told = with_rules(machine, settings)
     gains = told.feedback_gain[axis], told.integral_gain[axis], told.rate_gain[axis]
     return PositionLoop(
         answer.steady_rate, gains, plant, servo_response(*gains, axis, answer.steady_rate, s) * plant

@@ -75,7 +75,7 @@ def machine_of(plant: str, mismatch: float = 0.0) -> Machine:
 
 def settings_of(scheme: Scheme, plant: str) -> controller_settings.Settings:
     """Return the controller's settings made for a plant. Thesis section 5.2.1, 5.2.2."""
-    made = controller_settings.with_gains(
+    made = controller_settings.with_rules(
         machine_of(plant),
         controller_settings.Settings(scheme=scheme, tip_speed=TIP_SPEED, jacobian_at_joints=True),
     )

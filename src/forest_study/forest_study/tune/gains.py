@@ -5,7 +5,7 @@ A point has a number for each of `NAMES`, in units of `UNITS`: so a step of one 
 
 from collections.abc import Sequence
 
-from forest_control.config.controller_settings import Settings, with_gains
+from forest_control.config.controller_settings import Settings, with_rules
 from forest_control.servo.gain_rule import integral
 from forest_description.machine import Machine
 
@@ -21,7 +21,7 @@ BOUNDS = tuple((low / unit, high / unit) for low, high, unit in zip(LOWEST, HIGH
 
 def point_of(machine: Machine) -> Point:
     """Return the rule's gains of a machine as a point."""
-    told = with_gains(machine, Settings())
+    told = with_rules(machine, Settings())
     values = *told.feedback_gain, told.rate_gain[0], *told.lead_time
     return tuple(value / unit for value, unit in zip(values, UNITS, strict=True))
 

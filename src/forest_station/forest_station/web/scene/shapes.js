@@ -10,7 +10,7 @@ const AROUND = 20; // faces of what is round
 // Parts of a visual: [geometry, name of its colour].
 export function parts(link, visual) {
   if (visual.shape === "box") return visual.size[0] > SLENDER * visual.size[1] ? beam(visual.size) : box(visual.size);
-  if (visual.shape === "sphere") return [...head(visual.size[0]), ...hanger(visual.size[0], -visual.xyz[2])];
+  if (visual.shape === "sphere") return head(visual.size[0]);
   if (link.endsWith("_rod")) return rod(visual.size);
   if (link.endsWith("_barrel")) return barrel(visual.size);
   if (link === "platform") return column(visual.size);
@@ -87,13 +87,6 @@ function head(radius) {
     [jaw(radius), "head"],
     [jaw(radius).rotateZ(Math.PI), "head"],
   ];
-}
-
-// What a head hangs from, up to its joint.
-function hanger(radius, length) {
-  if (length <= radius) return [];
-  return [[tube(0.16 * radius, length).translate(0, 0, length / 2), "barrel"],
-    [boss(0.28 * radius, 0.8 * radius).translate(0, 0, length), "cast"]];
 }
 
 // A curved claw in the plane of the beam, wide across it.
