@@ -5,6 +5,7 @@ import math
 import numpy as np
 import pytest
 
+from forest_description.derived.temperature import at_temperature
 from forest_description.geometry.linkage import joint_angle
 from forest_description.machine import load_machine
 from forest_ident.diagnosis import residual_parameters
@@ -113,10 +114,33 @@ def test_only_what_the_driver_is_sure_of_counts():
     assert found["swing_gain_backward"] == pytest.approx(-0.1)
 
 
+def test_what_the_driver_learns_of_a_motor_in_hot_oil_does_not_count():
+    """It takes a leakage for an overlap that it does not know of."""
+    sure = Way(0.8, 0.9, 0.01, 0.01)
+    learnt = (Learnt(sure, sure),) * 3
+
+    def names(kelvin):
+        def moving(t):
+            around = {"supply": 2e7, "valves": learnt, "temperature": kelvin}
+            return readings(boom=1.4 + 0.1 * t, swing=0.1 * t, volts=(0.0, 5.0, 0.0), **around)
+
+        return set(over(4.0, moving))
+
+    warm, hot = names(320.0), names(345.0)
+    of_driver = "swing_follow", "swing_deadband_forward", "swing_deadband_backward", "swing_gain_forward"
+    assert warm.issuperset(of_driver)
+    assert hot.isdisjoint(of_driver)
+    assert hot.issuperset(name.replace("swing", "boom") for name in of_driver)
+
+
 def test_the_pumps_pressure_falls_with_the_flow_and_with_what_leaks():
     s = P.supply
     idle = s.set_pressure / (1.0 + s.leakage / s.compensation)
     found = over(4.0, lambda _: readings(supply=idle))
+    assert found["supply"] == pytest.approx(0.0, abs=1e-6)
+    hot = at_temperature(MACHINE, 350.0).pump.leakage_resistance
+    thin = s.set_pressure / (1.0 + 1.0 / (hot * s.compensation))
+    found = over(4.0, lambda _: readings(supply=thin, temperature=350.0))
     assert found["supply"] == pytest.approx(0.0, abs=1e-6)
     worn = over(4.0, lambda _: readings(supply=idle - 0.1e6))
     assert worn["supply"] == pytest.approx(-0.1, rel=0.02)
@@ -135,7 +159,8 @@ def test_sensors_that_tell_the_same_are_compared():
     assert found["stick_agree"] == pytest.approx(0.0, abs=1e-9)
     assert found["boom_pressure_2_pair"] == pytest.approx(0.2)
     assert found["boom_pressure_1_pair"] == pytest.approx(0.0)
-    leaks = 10e6 / MACHINE.swing.external_leakage_resistance
+    cold = at_temperature(MACHINE, 280.0).swing
+    leaks = 10e6 / cold.external_leakage_resistance
     assert found["drain"] == pytest.approx(6e4 * (1e-5 - leaks))
     assert found["cold"] == pytest.approx(8.0)
 
@@ -150,6 +175,47 @@ def test_a_meter_is_told_by_the_logarithm_of_what_it_reads_too_much():
     )
     assert found["stick_meter"] == pytest.approx(math.log(1.1), abs=1e-6)
     assert "swing_meter" not in found  # no flow
+
+
+def test_oil_that_fills_a_port_while_it_moves_is_no_error_of_its_meter():
+    top, rise, pace = 0.08 * full_speed(P.axes[2]), 4e6, 3.0  # [m/s], [Pa/s], [rad/s]
+
+    def at(t):
+        speed, way = top * (1.0 - math.cos(pace * t)), top * (t - math.sin(pace * t) / pace)
+        ports = np.array(PORTS)
+        ports[8:10] += rise * t
+        flow = STICK.head_area * speed + MACHINE.line(2, 1).capacitance * rise
+        return readings(stick=1.8 + way, volts=(0.0, 0.0, 5.0), ports=ports, flows=(0.0, 1.1 * flow))
+
+    assert over(3.0, at)["stick_meter"] == pytest.approx(math.log(1.1), abs=0.003)
+    blind = over(3.0, lambda t: at(t)._replace(pressures=(math.nan,) * 12))
+    assert blind["stick_meter"] == pytest.approx(math.log(1.1), abs=0.2)  # it is judged, less exactly
+
+
+@pytest.mark.parametrize("celsius", [-20.0, 40.0, 85.0])
+def test_a_motor_that_leaks_as_its_file_says_at_the_oils_temperature_loses_nothing(celsius):
+    kelvin = 273.15 + celsius
+    motor, drop = at_temperature(MACHINE, kelvin).swing, PORTS[0] - PORTS[2]
+    slips = drop / motor.internal_leakage_resistance + PORTS[0] / motor.external_leakage_resistance
+    found = over(
+        4.0,
+        lambda t: readings(
+            swing=-slips / (motor.motor_displacement * motor.gear_ratio) * t, temperature=kelvin
+        ),
+    )
+    assert found["swing_lost_1"] == pytest.approx(0.0, abs=1e-6 * 1e6 * slips)
+    rate = 0.3
+    flow = motor.motor_displacement * motor.gear_ratio * rate + slips
+    found = over(4.0, lambda t: readings(swing=rate * t, flows=(flow, 0.0), temperature=kelvin))
+    assert found["swing_meter"] == pytest.approx(0.0, abs=1e-6)
+
+
+def test_without_a_thermometer_oil_leaks_as_the_file_says():
+    assert residual_parameters.thinned(P.oil, math.nan) == 1.0
+    assert residual_parameters.thinned(residual_parameters.Viscosity(), 300.0) == 1.0
+    broken = residual_parameters.thinned(P.oil, 3.0), residual_parameters.thinned(P.oil, 5000.0)
+    assert 0.0 < broken[0] < 0.01
+    assert 10.0 < broken[1] < 100.0
 
 
 def test_a_port_behind_a_load_holding_valve_is_not_compared():

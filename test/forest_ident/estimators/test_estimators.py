@@ -77,14 +77,6 @@ def test_a_bend_at_a_sample_is_made_up_for_in_sums_over_samples():
     assert abs(unbent - exact) < 0.1 * abs(bent - exact)
 
 
-def test_another_hose_follows_from_length_and_bore():
-    hose = load_machine("c180_hoses").hose
-    other = hose_estimators.scaled(hose, 2.0 * hose.length, 0.5 * hose.bore)
-    assert other.turbulent_resistance == pytest.approx(2.0 * 2.0**4.75 * hose.turbulent_resistance)
-    assert other.inertance == pytest.approx(8.0 * hose.inertance)
-    assert other.capacitance == pytest.approx(0.5 * hose.capacitance)
-
-
 def test_both_leakages_of_the_motor_are_found(unknown_machine, sessions):
     external = motor_leakage.external(unknown_machine, sessions("motor_external")).values[0]
     internal = motor_leakage.internal(unknown_machine, sessions("motor_internal"), external).values[0]

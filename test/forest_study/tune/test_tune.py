@@ -104,10 +104,27 @@ def test_loads_beyond_the_capacity_do_not_count(tmp_path, counted):
     assert [one["seed"] for one in Bench(tmp_path, "c180_hoses", PLAIN).run(RULE, range(3))] == [0, 2]
 
 
+def plants_of(errors, row="plain"):
+    return [{"row": row, "figures": error and figures(error)._asdict()} for error in errors]
+
+
+def test_gains_are_judged_by_the_hardest_quarter_of_each_rows_plants():
+    rule = plants_of([1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 9.0])
+    ours = plants_of([9.0, 2.0, 0.1, 3.0, 0.1, 0.1, 0.1, 7.0])  # others are the hardest now
+    assert search.cost(ours, rule) == pytest.approx(0.0)
+    slow, slower = plants_of([100.0] * 4, "slow"), plants_of([100.0, 100.0, 100.0, 200.0], "slow")
+    assert search.cost([*ours, *slower], [*rule, *slow]) == pytest.approx(0.5 * math.log(2.0))
+
+
+def test_a_less_steady_tip_costs_as_much_as_a_less_exact_one():
+    (rule,) = plants_of([1.0])
+    shaken = rule | {"figures": rule["figures"] | {"velocity_rms": 8.0}}
+    assert search.cost([shaken], [rule]) == pytest.approx(math.log(2.0))
+
+
 def test_a_run_that_does_not_end_is_as_bad_as_ten_times_the_error():
-    rule = [{"figures": figures(2.0)._asdict()}, {"figures": figures(3.0)._asdict()}, {"figures": None}]
-    ours = [{"figures": None}, {"figures": figures(3.0)._asdict()}, {"figures": None}]
-    assert search.cost(ours, rule) == pytest.approx(0.5 * math.log(10.0))
+    ours, rule = plants_of([None, 3.0, None]), plants_of([2.0, 3.0, None])
+    assert search.cost(ours, rule) == pytest.approx(math.log(20.0 / 3.0))
 
 
 def test_a_loop_without_margins_is_never_robust(plants):

@@ -12,7 +12,8 @@ A and C area and capacitance of a port, V the voltage behind the spool's lag.
 | stiff_1, stiff_2 | rocking, valve shut | ln(C found/C of the file), C from A dx against dp | 1 |
 | deadband, gain | what the driver has learnt | less the file's; less 1 | V, 1 |
 
-A motor's leakage by the file is taken out of what is lost. A residual without its sensors is NaN.
+A motor's leakage is the file's at the temperature of the tank's oil, where there is a thermometer: hot oil
+leaks four times as much. A residual without its sensors is NaN.
 """
 
 import math
@@ -33,6 +34,7 @@ MOVES = 0.02  # [1] of full speed, as a mean over `COURSE`
 STIRRED = 2.0  # [V] of way of the voltage within `SPAN`
 ROCKED = 4e-6  # [m^3] root of the sum of squares of what filled a port, from which its stiffness is told
 FILLED = 3e5  # [Pa] under which free air makes a port's capacitance uncertain
+HOT = 2.5  # [1] of a motor's leakage in its file: from there the driver, which knows no other, learns wrong
 SURE_DEADBAND, SURE_GAIN = 0.03, 0.05  # [V], [1] spread of what the driver has learnt
 
 OF_AXIS = (
@@ -84,6 +86,7 @@ class Axis(NamedTuple):
     course: Course = Course()
     quiet: float = 0.0  # bins for which the valve has been shut
     dx: float = 0.0  # of the last bin
+    filled: float = 0.0  # [m^3] of port 1, in the last bin; NaN where it is not known
 
 
 def sampled(a: Axis, i: int, r: Readings, p: Parameters, dt: float) -> Axis:
@@ -157,7 +160,7 @@ def mean_of(s: Sums, n: float) -> Sums:
 
 
 def ended(
-    a: Axis, mean: Sums, k: AxisNumbers, known: Learnt, dt: float, n: float, first: bool
+    a: Axis, mean: Sums, k: AxisNumbers, known: Learnt, thin: float, dt: float, n: float, first: bool
 ) -> tuple[Axis, AxisValues]:
     """Return an axis at a bin's end, and its residuals in the order and units of `OF_AXIS`.
 
@@ -166,6 +169,7 @@ def ended(
         mean: means of the bin, by `mean_of`.
         k: the file's numbers.
         known: what the driver has learnt.
+        thin: by `residual_parameters.thinned`.
         dt: length of the bin [s].
         n: samples of the bin.
         first: no bin came before.
@@ -176,11 +180,9 @@ def ended(
     c_2 = _capacitance(0.5 * (mean.at_2 + a.last.at_2), mean.position, k.two)
     filled_1, filled_2 = c_1 * (mean.at_1 - a.last.at_1), c_2 * (mean.at_2 - a.last.at_2)
     c = a.course if not first else Course()
-    leaks = dt * k.internal_leakage * (mean.at_1 - mean.at_2)
-    leaks_1, leaks_2 = (
-        leaks + dt * k.external_leakage * mean.at_1,
-        dt * k.external_leakage * mean.at_2 - leaks,
-    )
+    between, outside = dt * thin * k.internal_leakage, dt * thin * k.external_leakage
+    leaks_1 = between * (mean.at_1 - mean.at_2) + outside * mean.at_1
+    leaks_2 = between * (mean.at_2 - mean.at_1) + outside * mean.at_2
     lost = k.one.area * dx + filled_1 + leaks_1, filled_2 - k.two.area * dx + leaks_2
     c, lost_1, lost_2 = _lost(c, lost, quiet, dt)
     rock_1, square_1, stiff_1 = _stiffness(c.rock_1, c.square_1, k.one.area * dx + leaks_1, -filled_1, quiet)
@@ -193,12 +195,13 @@ def ended(
     predicted = predicted_1 / k.one.area - predicted_2 / k.two.area
     took = filled_1 / k.one.area if predicted > 0.0 else -filled_2 / k.two.area
     took = took if predicted != 0.0 else 0.0
-    c, follow = _follows(c, dx, dx + took - predicted, full_speed(k), dt)
+    learns = k.internal_leakage == 0.0 or thin < HOT
+    c, follow = _follows(c, dx, dx + took - predicted if learns else NAN, full_speed(k), dt)
     c, spool = _spool(c, mean, dt)
-    due = c.stirred == 0.0  # once in `SPAN`
-    forward, backward = _valve(k.law.forward, known.forward, due), _valve(k.law.backward, known.backward, due)
-    values = (lost_1, lost_2, follow, spool, stiff_1, stiff_2, *forward, *backward)
-    return Axis(a.voltage, Sums(), mean, c, quiet, dx), values
+    due = c.stirred == 0.0 and learns  # once in `SPAN`
+    one, two = _valve(k.law.forward, known.forward, due), _valve(k.law.backward, known.backward, due)
+    values = (lost_1, lost_2, follow, spool, stiff_1, stiff_2, *one, *two)
+    return Axis(a.voltage, Sums(), mean, c, quiet, dx, filled_1), values
 
 
 def _capacitance(pressure: float, position: float, port: Port) -> float:

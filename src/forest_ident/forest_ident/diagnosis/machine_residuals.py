@@ -2,9 +2,9 @@
 
 | residual | of | formula | unit |
 |---|---|---|---|
-| supply | supply | p_s less what the pump's law gives at the axes' flow | MPa |
-| drain | the swing's case drain | less the file's leakage | L/min |
-| meter | a flow meter | ln of its volume over A dx and leakage | 1 |
+| supply | supply | p_s less what the pump's law gives at the axes' flow and its leakage | MPa |
+| drain | the swing's case drain | less the file's leakage at the tank's temperature | L/min |
+| meter | a flow meter | ln of its volume over A dx + C dp and leakage | 1 |
 | agree | boom, stick | cylinder's length less that of its joint's angle | mm |
 | pair | a port at rest | valve's less actuator's transducer | MPa |
 | cold | oil | `WARM` less its temperature | K |
@@ -46,6 +46,8 @@ class Machine(NamedTuple):
     flow_2: float = 0.0
     length_1: float = 0.0  # [m]
     length_2: float = 0.0
+    last_1: float = 0.0  # [m^3/s] the meters' means of the bin before
+    last_2: float = 0.0
     over_supply: float = 0.0  # sums over `SPAN`
     over_drain: float = 0.0
     over_meter_1: float = 0.0
@@ -75,7 +77,8 @@ def ended(
     m: Machine,
     axes: tuple[Axis, Axis, Axis],
     means: tuple[Sums, Sums, Sums],
-    r: Readings,
+    temperature: float,
+    thin: float,
     p: Parameters,
     dt: float,
     first: bool,
@@ -86,7 +89,8 @@ def ended(
         m: the machine, with the bin's samples.
         axes: the axes at the bin's end.
         means: of the axes in the bin.
-        r: the bin's last readings.
+        temperature: of the oil in the tank [K].
+        thin: by `residual_parameters.thinned`.
         p: the file's numbers.
         dt: length of the bin [s].
         first: no bin came before.
@@ -98,8 +102,8 @@ def ended(
         *_pairs(means[2], axes[2].quiet, k[2]),
     )
     if first:
-        return Machine(primed=1), UNKNOWN
-    sums = _summed(m, axes, means, p, dt)
+        return Machine(primed=1, last_1=m.flow_1 / m.samples, last_2=m.flow_2 / m.samples), UNKNOWN
+    sums = _summed(m, axes, means, thin, p, dt)
     if sums.bins < SPAN:
         return sums, (NAN, NAN, NAN, NAN, NAN, NAN, *pairs, NAN)
     values = (
@@ -111,32 +115,47 @@ def ended(
         ),
         *(1e3 * sums.over_agree_1 / SPAN, 1e3 * sums.over_agree_2 / SPAN),
     )
-    cold = 0.0 if r.temperature > WARM else WARM - r.temperature
-    return Machine(primed=1), (*values, *pairs, cold)
+    cold = 0.0 if temperature > WARM else WARM - temperature
+    begun = Machine(primed=1, last_1=sums.last_1, last_2=sums.last_2)
+    return begun, (*values, *pairs, cold)
 
 
 def _summed(
-    m: Machine, axes: tuple[Axis, Axis, Axis], means: tuple[Sums, Sums, Sums], p: Parameters, dt: float
+    m: Machine,
+    axes: tuple[Axis, Axis, Axis],
+    means: tuple[Sums, Sums, Sums],
+    thin: float,
+    p: Parameters,
+    dt: float,
 ) -> Machine:
     """Return the next bin's machine, whose sums over `SPAN` have this one."""
     n, k = m.samples, p.axes
     swing = means[0]
     demand = _demand(axes[0], k[0], dt) + _demand(axes[1], k[1], dt) + _demand(axes[2], k[2], dt)
-    leaks = k[0].external_leakage * (swing.at_1 + swing.at_2)
-    through = k[0].internal_leakage * (swing.at_1 - swing.at_2) + k[0].external_leakage * swing.at_1
-    moved_1, moved_2 = k[0].one.area * axes[0].dx / dt, k[2].one.area * axes[2].dx / dt
+    between, outside = thin * k[0].internal_leakage, thin * k[0].external_leakage
+    leaks = outside * (swing.at_1 + swing.at_2)
+    through = between * (swing.at_1 - swing.at_2) + outside * swing.at_1
+    flow_1, flow_2 = m.flow_1 / n, m.flow_2 / n
     return Machine(
         primed=1,
-        over_supply=m.over_supply + m.supply / n - _supply_pressure(demand, m.supply / n, p.supply),
+        over_supply=m.over_supply + m.supply / n - _supply_pressure(demand, m.supply / n, thin, p.supply),
         over_drain=m.over_drain + m.drain / n - leaks,
-        over_meter_1=m.over_meter_1 + m.flow_1 / n,
-        over_moved_1=m.over_moved_1 + moved_1 + through,
-        over_meter_2=m.over_meter_2 + m.flow_2 / n,
-        over_moved_2=m.over_moved_2 + moved_2,
+        last_1=flow_1,
+        last_2=flow_2,
+        over_meter_1=m.over_meter_1 + 0.5 * (flow_1 + m.last_1),
+        over_moved_1=m.over_moved_1 + _taken(axes[0], k[0], dt) + through,
+        over_meter_2=m.over_meter_2 + 0.5 * (flow_2 + m.last_2),
+        over_moved_2=m.over_moved_2 + _taken(axes[2], k[2], dt),
         over_agree_1=m.over_agree_1 + m.length_1 / n - means[1].position,
         over_agree_2=m.over_agree_2 + m.length_2 / n - means[2].position,
         bins=m.bins + 1.0,
     )
+
+
+def _taken(a: Axis, k: AxisNumbers, dt: float) -> float:
+    """Return the flow [m^3/s] that moves an axis and fills its port 1; without pressures the first alone."""
+    filled = a.filled if a.filled == a.filled else 0.0
+    return (k.one.area * a.dx + filled) / dt
 
 
 def _demand(a: Axis, k: AxisNumbers, dt: float) -> float:
@@ -146,11 +165,11 @@ def _demand(a: Axis, k: AxisNumbers, dt: float) -> float:
     return (k.one.area * a.dx if forward else -k.two.area * a.dx if backward else 0.0) / dt
 
 
-def _supply_pressure(demand: float, pressure: float, s: Supply) -> float:
+def _supply_pressure(demand: float, pressure: float, thin: float, s: Supply) -> float:
     """Return the pressure [Pa] of a compensated pump at a flow; NaN of another pump, or near its limit."""
     if s.ideal != 0 or s.rate > 0.0 or s.compensation == 0.0 or pressure < SUPPLY_LOW:
         return NAN
-    flow = demand + s.leakage * pressure
+    flow = demand + thin * s.leakage * pressure
     return s.set_pressure - flow / s.compensation if flow < NEAR_LIMIT * s.flow_limit else NAN
 
 

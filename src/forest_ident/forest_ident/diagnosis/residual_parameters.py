@@ -4,6 +4,7 @@ import math
 from typing import NamedTuple
 
 from forest_description.geometry.linkage import Linkage
+from forest_description.hydraulics.oil import COLDEST, HOTTEST, SQUARE_MILLIMETRES, WALTHER_OFFSET, Oil
 from forest_description.hydraulics.valve_characteristic import ValveLaw
 from forest_description.machine import Machine
 from forest_description.mechanics.drives import SwingDrive
@@ -38,11 +39,21 @@ class AxisNumbers(NamedTuple):
     external_leakage: float
 
 
+class Viscosity(NamedTuple):
+    """The oil's absolute viscosity over temperature: Walther's law, as in `forest_description`'s `Oil`."""
+
+    reference: float = 0.0  # [K] at which the file's leakages hold; 0: oil without a temperature
+    ordinate: float = 0.0  # [1] ln ln(nu/(mm^2/s) + 0.7) there
+    slope: float = 0.0  # [1] of the ordinate over ln T
+    expansion: float = 0.0  # [1/K]
+
+
 class Parameters(NamedTuple):
-    """All axes, the supply, and which sensors the file says there are."""
+    """All axes, the supply, the oil, and which sensors the file says there are."""
 
     axes: tuple[AxisNumbers, AxisNumbers, AxisNumbers]
     supply: Supply
+    oil: Viscosity
     fitted: tuple[int, ...]  # 1 for each of `CHANNELS` that the machine has
 
 
@@ -55,7 +66,41 @@ def parameters(machine: Machine) -> Parameters:
     return Parameters(
         axes=(swing, boom, stick),
         supply=plant.supply,
+        oil=_viscosity(machine.oil) if machine.oil else Viscosity(),
         fitted=fitted,
+    )
+
+
+def thinned(v: Viscosity, temperature: float) -> float:
+    """Return by which factor oil leaks more than at the file's temperature; 1 without a thermometer.
+
+    Args:
+        v: of the oil.
+        temperature: of the oil in the tank [K]; NaN: not read.
+    """
+    if v.reference == 0.0 or math.isnan(temperature):
+        return 1.0
+    t = max(COLDEST, min(HOTTEST, temperature))
+    thick, thin = _millimetres(v.ordinate), _millimetres(v.ordinate + v.slope * math.log(t / v.reference))
+    return thick / thin * math.exp(v.expansion * (t - v.reference))
+
+
+def _millimetres(ordinate: float) -> float:
+    """Return a kinematic viscosity [mm^2/s]."""
+    return math.exp(math.exp(ordinate)) - WALTHER_OFFSET
+
+
+def _viscosity(oil: Oil) -> Viscosity:
+    def ordinate(temperature: float) -> float:
+        kinematic = oil.kinematic_viscosity(temperature)
+        return math.log(math.log(SQUARE_MILLIMETRES * kinematic + WALTHER_OFFSET))
+
+    cold, hot = oil.cold_temperature, oil.hot_temperature
+    return Viscosity(
+        reference=oil.reference_temperature,
+        ordinate=ordinate(oil.reference_temperature),
+        slope=(ordinate(hot) - ordinate(cold)) / math.log(hot / cold),
+        expansion=oil.thermal_expansion,
     )
 
 

@@ -10,7 +10,7 @@ from forest_ident.diagnosis import axis_residuals, machine_residuals
 from forest_ident.diagnosis.axis_residuals import OF_AXIS, Axis, mean_of
 from forest_ident.diagnosis.machine_residuals import OF_MACHINE, Machine
 from forest_ident.diagnosis.monitor_readings import NAN, Readings
-from forest_ident.diagnosis.residual_parameters import Parameters
+from forest_ident.diagnosis.residual_parameters import Parameters, thinned
 
 BIN = 0.1  # [s]
 NAMES = (*(f"{axis}_{name}" for axis in AXES for name in OF_AXIS), *OF_MACHINE)
@@ -45,10 +45,11 @@ def _ended(axes: tuple[Axis, Axis, Axis], m: Machine, r: Readings, p: Parameters
     """Return the residuals at a bin's end."""
     n, dt, first = m.samples, m.time, m.primed == 0
     means = mean_of(axes[0].sums, n), mean_of(axes[1].sums, n), mean_of(axes[2].sums, n)
-    swing, values_1 = axis_residuals.ended(axes[0], means[0], p.axes[0], r.valves[0], dt, n, first)
-    boom, values_2 = axis_residuals.ended(axes[1], means[1], p.axes[1], r.valves[1], dt, n, first)
-    stick, values_3 = axis_residuals.ended(axes[2], means[2], p.axes[2], r.valves[2], dt, n, first)
+    thin = thinned(p.oil, r.temperature)
+    swing, values_1 = axis_residuals.ended(axes[0], means[0], p.axes[0], r.valves[0], thin, dt, n, first)
+    boom, values_2 = axis_residuals.ended(axes[1], means[1], p.axes[1], r.valves[1], thin, dt, n, first)
+    stick, values_3 = axis_residuals.ended(axes[2], means[2], p.axes[2], r.valves[2], thin, dt, n, first)
     after = swing, boom, stick
-    m, values = machine_residuals.ended(m, after, means, r, p, dt, first)
+    m, values = machine_residuals.ended(m, after, means, r.temperature, thin, p, dt, first)
     stands = swing.quiet > 0.0 and boom.quiet > 0.0 and stick.quiet > 0.0
     return Residuals(after, m, (*values_1, *values_2, *values_3, *values), int(stands), 1)

@@ -26,7 +26,6 @@ import math
 
 import numpy as np
 
-from forest_description.hydraulics.hose import MeasuredHose
 from forest_description.types import Floats
 from forest_ident.estimators.least_squares import LinearFit, solve
 from forest_ident.estimators.valve_estimate import holds
@@ -61,28 +60,6 @@ def resistance(flow: Floats, drop: Floats, laminar: bool) -> LinearFit:
     Thesis eq. 4.4. Differs: two transducers that are off by e would put e into R.
     """
     return solve([flow if laminar else flow * np.abs(flow), np.ones(len(flow))], drop, block=1)
-
-
-def scaled(hose: MeasuredHose, length: float, bore: float) -> MeasuredHose:
-    """Return another piece of the same oil's hose: what Thesis eq. 4.3 and 4.5b make of length and bore.
-
-    Turbulent R goes with L D^-4.75, laminar R with L D^-4, I with L D^-2, C with L D^2 (the same stiffness of
-    wall and oil). Thesis eq. 4.3, 4.5b. Differs: 4.5b's A is the bore's area.
-
-    Args:
-        hose: as measured.
-        length: L [m].
-        bore: D [m].
-    """
-    long, wide = length / hose.length, bore / hose.bore
-    return MeasuredHose(
-        length=length,
-        bore=bore,
-        turbulent_resistance=hose.turbulent_resistance * long * wide**-4.75,
-        laminar_resistance=hose.laminar_resistance * long * wide**-4.0,
-        inertance=hose.inertance * long * wide**-2.0,
-        capacitance=hose.capacitance * long * wide**2.0,
-    )
 
 
 def four_group_means(session: Session, resistance: float, laminar: bool) -> tuple[Floats, Floats]:

@@ -27,7 +27,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     text = f"rows of the matrix whose plants are driven: {', '.join(rows)} (default: plain)"
     add("--row", nargs="+", choices=rows, default=["plain"], metavar="NAME", help=text)
     text = "plants of the search, 2 at least (default: %(default)s)"
-    add("--seeds", type=whole(2, 1000), default=8, metavar="N", help=text)
+    add("--seeds", type=whole(2, 1000), default=16, metavar="N", help=text)
     text = "other plants that judge the result, 2 at least (default: %(default)s)"
     add("--unseen", type=whole(2, 1000), default=24, metavar="N", help=text)
     text = f"largest number of gains to be tried, {LEAST} at least (default: %(default)s)"
@@ -89,6 +89,6 @@ class _Progress:
         self._best = min(self._best, last.cost)
         left = (time.monotonic() - self._begun) / count * (self._trials - count)
         change = 100.0 * math.expm1(self._best)
-        self._line.show(f"{count} of {self._trials} trials, error {change:+.1f} %, {left:.0f} s left")
+        self._line.show(f"{count} of {self._trials} trials, worst quarter {change:+.1f} %, {left:.0f} s left")
         if count == self._trials:
             self._line.end()
