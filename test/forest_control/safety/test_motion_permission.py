@@ -62,6 +62,10 @@ CAUSES = {
         set_to(angles=(0.2, 40.0, -1.5)),
         *(Verdict.STOP, 0.0, Cause.UNBELIEVABLE, "boom is 40 rad; allowed"),
     ),
+    "an angle jumps": (
+        set_to(angles=(ANGLES[0], ANGLES[1] + 0.05, ANGLES[2])),
+        *(Verdict.STOP, 0.0, Cause.UNBELIEVABLE, "boom jumps by 0.05"),
+    ),
     "sensors frozen": (
         set_to(shakes=False),
         *(Verdict.STOP, 0.15, Cause.FAULT, "swing is the same to the last bit"),
@@ -105,7 +109,7 @@ def test_each_cause_has_its_verdict_in_its_time_and_is_named(rig, broken, verdic
 
 
 STOPS = {name: cause for name, cause in CAUSES.items() if cause[1] in (Verdict.STOP, Verdict.CONTROLLED_STOP)}
-REFUSED = ("state cannot be read", "state cannot be true")
+REFUSED = ("state cannot be read", "state cannot be true", "an angle jumps")
 
 
 @pytest.mark.parametrize("name", STOPS)
@@ -181,6 +185,37 @@ def test_only_a_state_that_is_believed_is_handed_on(rig):
     rig.angles = (0.2, math.nan, -1.5)
     decision = rig.once()
     assert (decision.believed, decision.dt) == (False, 0.0)
+
+
+def test_an_angle_that_stays_where_it_jumped_to_is_believed_once_the_state_was_lost_and_disarms(rig):
+    rig.angles = ANGLES[0], ANGLES[1] + 0.05, ANGLES[2]
+    refused = []
+    for _ in range(40):
+        rig.guard.is_lost(rig.now + PERIOD, NOBODY)  # as the controller asks before each state
+        refused.append(rig.once().cause == Cause.UNBELIEVABLE)
+    assert refused.index(False) * PERIOD == pytest.approx(STATE_TIMEOUT, abs=1.5 * PERIOD)
+    assert not any(refused[refused.index(False) :])
+    assert not rig.guard.permission.joystick.armed
+
+
+@pytest.mark.parametrize("late", [0.03, 0.09])
+def test_after_a_gap_an_angle_may_have_gone_as_far_as_in_its_time(rig, late):
+    """By the clock, where there is no stamp; by the stamps, where states come at once."""
+    before = rig.guard.permission
+
+    def believed(moved, stamp, received):
+        there = before.angles[0] + moved, before.angles[1], before.angles[2]
+        state, driver = MachineState(there, ZERO, stamp, received), DriverSample(ZERO, received)
+        _, one = decide(before, state, driver, ZERO, P, rig.guard.p, received, NOBODY)
+        return one.cause != Cause.UNBELIEVABLE
+
+    then, stamp = before.received, before.order.newest
+    for when in ((0, then + late), (stamp + round(1e9 * late), then)):
+        assert believed(5.0 * late + 0.0049, *when)
+        assert not believed(5.0 * late + 0.0051, *when)
+    assert believed(5.0 * PERIOD + 0.0049, 0, then)
+    assert not believed(5.0 * PERIOD + 0.0051, 0, then)
+    assert believed(1.0, 0, then + 0.101)
 
 
 def test_a_state_that_does_not_come_is_missed_at_its_timeout_and_disarms(rig):

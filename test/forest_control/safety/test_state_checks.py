@@ -7,7 +7,7 @@ from hypothesis import given
 from properties import near
 
 from forest_control.config import controller_settings
-from forest_control.safety.state_checks import implausible, plausible
+from forest_control.safety.state_checks import FASTEST, ROUGH, implausible, jump, jumps, plausible
 from forest_description.derived.limits import joint_limits
 from forest_description.machine import load_machine
 from forest_description.types import AXES
@@ -64,3 +64,17 @@ def test_of_any_state_those_who_name_it_and_those_who_only_tell_agree_and_it_is_
     angles = tuple(middle + way for middle, way in zip(MIDDLE, ways, strict=True))
     if said(angles, rates) == "":
         assert all(map(math.isfinite, (*angles, *rates)))
+
+
+@every_joint
+@pytest.mark.parametrize("sign", [-1.0, 1.0])
+@pytest.mark.parametrize(("way", "named"), [(0.0299, False), (0.0301, True), (0.5, True)])
+def test_an_angle_may_go_as_far_as_the_fastest_joint_in_its_time_and_no_further(joint, sign, way, named):
+    """5 rad/s for 5 ms, and 5 mrad of noise."""
+    assert (FASTEST, ROUGH) == (5.0, 0.005)
+    there = but(MIDDLE, joint, MIDDLE[joint] + sign * way)
+    assert jumps(MIDDLE, there, 0.005) == named
+    told = f"joint state: {AXES[joint]} jumps by {way:.3f} rad in 0.005 s; allowed: up to 5 rad/s"
+    assert jump(MIDDLE, there, 0.005) == (told if named else "")
+    assert not jumps(MIDDLE, there, 0.2)
+    assert jump(MIDDLE, there, 0.2) == ""

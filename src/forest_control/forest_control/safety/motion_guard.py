@@ -26,7 +26,7 @@ from forest_control.safety.motion_permission import (
     Permission,
     PermissionParameters,
 )
-from forest_control.safety.state_checks import implausible
+from forest_control.safety.state_checks import implausible, jump
 from forest_description.types import Vec3
 from forest_msgs_py.runtime.stamp_order import disorder
 
@@ -87,12 +87,14 @@ class MotionGuard:
             override: who else forbids motion.
             problem: why the state cannot be read.
         """
-        order = self.permission.order
+        before, order = self.permission, self.permission.order
         self.permission, decision = motion_permission.decide(
             self.permission, state, driver, command, p, self.p, now, override
         )
         if decision.cause == Cause.UNBELIEVABLE:
-            self._refuse(problem or implausible(state.angles, state.rates, p), now)
+            untrue = problem or implausible(state.angles, state.rates, p)
+            seconds = motion_permission.unseen(before, state, self.p)
+            self._refuse(untrue or jump(before.angles, state.angles, seconds), now)
         elif decision.cause == Cause.DISORDER:
             self._refuse(disorder(order, "joint state", state.stamp), now)
         elif decision.dt > 0.0:

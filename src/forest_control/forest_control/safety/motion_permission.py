@@ -49,10 +49,10 @@ from forest_control.safety.frozen_sensor import Stillness
 from forest_control.safety.machine_file_check import FileCheck
 from forest_control.safety.overloaded_joint import Overload
 from forest_control.safety.runaway import Runaway
-from forest_control.safety.state_checks import plausible
+from forest_control.safety.state_checks import jumps, plausible
 from forest_control.servo.joint_angle_filter import UNREAD as NO_LENGTHS
 from forest_control.servo.joint_angle_filter import Lengths
-from forest_description.types import Vec3
+from forest_description.types import ZERO, Vec3
 from forest_msgs_py.runtime import stamp_order, stamped_period
 from forest_msgs_py.runtime.stamp_order import StampOrder
 from forest_msgs_py.runtime.stamped_period import StampedPeriod
@@ -147,6 +147,8 @@ class Permission(NamedTuple):
     order: StampOrder = stamp_order.FIRST
     period: StampedPeriod = stamped_period.BEGIN  # of the states that are believed
     received: float = -math.inf  # [s] when a state was believed last
+    angles: Vec3 = ZERO  # [rad] of that
+    refused: float = 0.0  # [s] after that, a jump was refused last
     link: LateLink = IN_TIME
 
 
@@ -200,13 +202,28 @@ def decide(
     order = stamp_order.updated_order(before.order, state.stamp, state.received, guard.state_timeout)
     if not stamp_order.is_in_order(before.order, state.stamp):
         return before._replace(order=order), Decision(Verdict.SKIP, Cause.DISORDER)
+    if state.received - before.received <= guard.state_timeout and jumps(
+        before.angles, state.angles, unseen(before, state, guard)
+    ):
+        return before._replace(refused=since(before, state)), Decision(Verdict.STOP, Cause.UNBELIEVABLE)
     period, dt = stamped_period.step_period(before.period, state.stamp, state.received, guard.period)
     after = before._replace(order=order, period=period, received=state.received)
+    after = after._replace(angles=state.angles, refused=0.0)
     if dt == 0.0:
         return after, Decision(Verdict.SKIP, Cause.TOO_SOON)
     checks = updated_checks(before.checks, state, driver, command, p, guard, now, dt)
     link = updated_link(before.link, before.joystick.stamp, state.stamp, dt)
     return decide_by_checks(after._replace(checks=checks, link=link), now, dt, guard, override)
+
+
+def since(before: Permission, state: MachineState) -> float:
+    """Return the time [s] since a state was believed last, by clock or stamps."""
+    return max(state.received - before.received, 1e-9 * (state.stamp - before.order.newest))
+
+
+def unseen(before: Permission, state: MachineState, guard: PermissionParameters) -> float:
+    """Return the time [s] in which joints were not seen, a period at the least: what jumped stays refused."""
+    return max(guard.period, since(before, state) - before.refused)
 
 
 def decide_by_checks(

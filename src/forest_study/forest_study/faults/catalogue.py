@@ -226,7 +226,7 @@ SENSORS = {
     ),
     "resolver off by 2 degrees": Fault(
         "one reads too much",
-        UNSEEN + " The tip follows the reading, by 0.2 m at 6 m, and a jump of it throws the tip.",
+        "The jump is refused for 0.1 s, as no state; then a sensor that lies plausibly is believed: gap.",
         same(Bound(off=0.9, again=False, held=True), HELD) | {State.EXPERIMENT: Bound(off=0.4)},
         sensors="{axis}_resolver: bias 2 deg",
     ),
@@ -235,6 +235,13 @@ SENSORS = {
         "Rates beyond 5 rad/s are refused one by one, and told. Between them the crane shakes: gap.",
         same(Bound(off=1.3, again=False, held=True), HELD) | {State.EXPERIMENT: Bound(off=0.4)},
         sensors="{axis}_resolver: noise 10000 %",
+    ),
+    "resolver glitches": Fault(
+        "one reads 0.3 rad too much in one sample of twenty",
+        "No joint moves so far in a period: zero in that very step. Between them the crane goes on.",
+        same(Bound(off=1.3, speed=1.2, told=STATE_BAD), DRIVEN)
+        | {State.STANDING: Bound(off=0.01, speed=0.1, told=STATE_BAD, again=False)},
+        seen=wires.glitching,
     ),
     "resolvers swapped": Fault(
         "boom's and stick's plugs",

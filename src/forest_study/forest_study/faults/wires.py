@@ -20,6 +20,7 @@ SLOW = 0.2  # [s] of a contact that flickers: longer than joy_timeout
 RATED = 10.0  # [V]
 CHIP = 0.3  # [1] of the rated voltage at which a spool is held open
 TORN = PortGuard(1e5, 3e-10, 0.0, 0.0)  # 180 L/min at 10 MPa out of each port
+GLITCH = 0.3  # [rad]
 TOO_MUCH = 3e7  # [Pa] that a transducer reads
 NOTHING = 1e-12  # [1] of what a pump gave
 
@@ -116,6 +117,13 @@ def reversed_axis(moment: Moment, seen: Measurement) -> Measurement:
     (at, rates), i = seen.joints[:2], moment.axis
     turned = _with(at, i, 2.0 * moment.first.joints.position[i] - at[i]), _with(rates, i, -rates[i])
     return seen._replace(joints=seen.joints._replace(position=turned[0], speed=turned[1]))
+
+
+def glitching(moment: Moment, seen: Measurement) -> Measurement:
+    """One resolver's angle is off in one sample of twenty; its speed is not."""
+    i, at = moment.axis, seen.joints.position
+    off = GLITCH if round(moment.since / PERIOD) % 20 == 0 else 0.0
+    return seen._replace(joints=seen.joints._replace(position=_with(at, i, at[i] + off)))
 
 
 def in_degrees(_moment: Moment, seen: Measurement) -> Measurement:
