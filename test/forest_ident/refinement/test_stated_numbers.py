@@ -7,6 +7,7 @@ from forest_description.machine import load_machine, uncertainties
 from forest_ident.driving.simulated_experiment import experiment
 from forest_ident.estimators.parameter_estimate import NORMAL_95, Estimate
 from forest_ident.measurements.parameter_path import value_of, with_values
+from forest_ident.measurements.session import SessionError
 from forest_ident.output_error.fit_problem import Channel, Unknown
 from forest_ident.output_error.gaussian_estimate import GaussianEstimate
 from forest_ident.output_error.output_error import fit
@@ -46,6 +47,15 @@ def test_a_file_may_state_an_uncertainty_and_it_counts_as_the_default_would(tmp_
     machine = load_machine(file)
     assert stated_numbers.errors(machine, stated)[STICK] == pytest.approx(11.0 / NORMAL_95)
     assert stated_numbers.errors(machine, {})[STICK] == pytest.approx(0.2 * 544.0 / NORMAL_95)
+
+
+def test_an_uncertainty_that_makes_no_machine_is_refused_by_name():
+    wide = {"boom.rod_area": 0.05}
+    with pytest.raises(
+        SessionError, match=r"boom\.rod_area: its uncertainty is too wide.*head_area.*smaller one"
+    ):
+        stated_numbers.errors(C180, wide)
+    assert stated_numbers.errors(C180, {"boom.rod_area": 0.005})["boom.rod_area"] > 0.0
 
 
 def test_a_told_number_adds_its_share_to_the_error():

@@ -21,6 +21,7 @@ The uncertainty is the machine file's (`uncertainty`), else the one below. All a
 Head and boom are estimates like all others: told are only their starts.
 """
 
+import dataclasses
 import math
 from collections.abc import Mapping, Sequence
 from itertools import chain
@@ -28,9 +29,11 @@ from typing import NamedTuple
 
 import numpy as np
 
+from forest_description.config.parameter import MachineError
 from forest_description.machine import Machine
 from forest_ident.estimators.parameter_estimate import NORMAL_95, Estimate
-from forest_ident.measurements.parameter_path import part_of
+from forest_ident.measurements.parameter_path import part_of, value_of, with_values
+from forest_ident.measurements.session import SessionError
 from forest_ident.output_error.gaussian_estimate import GaussianEstimate
 from forest_ident.refinement.refinement_task import INERTIAS, TOLD
 
@@ -60,13 +63,31 @@ def errors(machine: Machine, stated: Mapping[str, float]) -> dict[str, float]:
     Args:
         machine: the start.
         stated: half-widths [SI] of the 95 % intervals that its file states, by dotted key.
+
+    Raises:
+        SessionError: one is so wide that the number a standard deviation off makes no machine.
     """
     keys = dict.fromkeys(chain(*TOLD.values()))
     found = {key: _half(machine, key, stated) / NORMAL_95 for key in keys}
+    for key, error in found.items():
+        if key in stated and error > 0.0:
+            _demand_machine(machine, key, error)
     return {
         **{key: error for key, error in found.items() if error > 0.0},
         **dict.fromkeys(INERTIAS, INERTIA / NORMAL_95),
     }
+
+
+def _demand_machine(machine: Machine, key: str, error: float) -> None:
+    # Each record is simulated with the number so far off; the load chart has no say in that.
+    freed = dataclasses.replace(machine, capacity=None)
+    try:
+        with_values(freed, {key: value_of(machine, key) + error})
+    except MachineError as why:
+        raise SessionError(
+            f"{key}: its uncertainty is too wide: {error:.4g} more, a standard deviation, makes no machine "
+            f"({why}); allowed: a smaller one"
+        ) from why
 
 
 def _half(machine: Machine, key: str, stated: Mapping[str, float]) -> float:
