@@ -188,6 +188,7 @@ def test_a_joint_that_pays_what_it_owes_has_only_started_late(joint, side):
     late = Overload(owed=at(joint, 0.04), since=at(joint, 0.4), told=at(joint, 0.4 * side))
     assert is_overloaded(late._replace(gone=at(joint, 0.039 * side)))
     assert not is_overloaded(late._replace(gone=at(joint, 0.041 * side)))
+    assert is_overloaded(late._replace(gone=at(joint, -0.041 * side)))  # it goes back
 
 
 def test_what_trembles_is_no_command_that_a_joint_could_owe():

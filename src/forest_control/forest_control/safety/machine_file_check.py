@@ -132,14 +132,17 @@ def _side(before: float, u: float) -> float:
 def _way(before: FileCheck, sides: Vec3, rates: Vec3, u: Vec3, fed: bool, i: int, dt: float) -> float:
     """Return the way of one joint [rad]; fed: its valve has its pressure.
 
-    What goes back faster than a valve would lead it is pulled, by a load that sways.
+    A swing that goes back faster than its valve would lead it is pulled, by a load that sways.
     """
     if before.ways[i] >= PROVEN:
         return PROVEN
     begun = 0.0 if before.sides[i] * sides[i] < 0.0 else before.ways[i]
     if abs(u[i]) < COMMANDED or not fed:
         return begun
-    return min(PROVEN, begun + max(sides[i] * rates[i], -FASTEST * abs(u[i])) * dt)
+    gone = sides[i] * rates[i]
+    if i == 0:
+        gone = max(gone, -FASTEST * abs(u[i]))
+    return min(PROVEN, begun + gone * dt)
 
 
 def _misfit(length: float, angle: float, i: int, p: Parameters) -> float:

@@ -159,7 +159,8 @@ def is_overloaded(overload: Overload) -> bool:
 
 def _refuses(overload: Overload, i: int) -> bool:
     """Tell whether one joint goes back, or stands; one that pays what it owes has only started late."""
-    pays = abs(overload.gone[i]) > ANSWERS * abs(overload.told[i])
+    told = overload.told[i]
+    pays = overload.gone[i] * told > ANSWERS * told * told
     return goes_back(overload, i) or (overload.owed[i] > OWED and overload.since[i] > STARTS and not pays)
 
 

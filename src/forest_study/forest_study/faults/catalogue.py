@@ -87,8 +87,9 @@ JOYSTICKS = {
     ),
     "joystick's clock - 1 h": Fault(
         "its stamps jump back",
-        "Samples of the past: as silence.",
-        _joystick(0.41, 0.19, "joy: a stamp goes back", 0.01),
+        "Samples of the past: as silence. In taught work centred sticks arm again: its ramp brakes the tip.",
+        _joystick(0.41, 0.19, "joy: a stamp goes back", 0.01)
+        | {State.TAUGHT: Bound(zero=0.6, way=0.19, told="joy: a stamp goes back")},
         joystick=wires.joystick_behind,
     ),
     "joystick's clock stands": Fault(
@@ -212,7 +213,7 @@ SENSORS = {
         "one repeats its last reading",
         "Seen once its joint was told to go 0.02 rad. In taught work centred sticks arm again: the cycle"
         " stays paused, but the tip is held by a wrong angle: gap. So may a crane that stands inch.",
-        _state(Bound(way=0.45), Bound(zero=1.0))
+        _state(Bound(way=0.75), Bound(zero=1.0))
         | {State.STANDING: Bound(way=0.005, again=False), State.TAUGHT: Bound(way=0.45, held=True)},
         sensors="{axis}_resolver: frozen",
     ),
@@ -226,8 +227,9 @@ SENSORS = {
     ),
     "resolver off by 2 degrees": Fault(
         "one reads too much",
-        "The jump is refused for 0.1 s, as no state; then a sensor that lies plausibly is believed: gap.",
-        same(Bound(off=0.9, again=False, held=True), HELD) | {State.EXPERIMENT: Bound(off=0.4)},
+        "The jump is refused for 0.1 s, as no state; then a sensor that lies plausibly is believed: gap."
+        " In taught work centred sticks arm again, and the tip is held.",
+        same(Bound(off=1.2, again=False, held=True), HELD) | {State.EXPERIMENT: Bound(off=0.4)},
         sensors="{axis}_resolver: bias 2 deg",
     ),
     "resolver noise x 100": Fault(
@@ -336,9 +338,8 @@ VALVES = {
     ),
     "valve wired the other way": Fault(
         "one, in motion",
-        "As a resolver that counts back, with the same gap.",
-        same(Bound(speed=4.5, again=False), DRIVEN, MOTION=Bound(zero=1.8, again=False))
-        | {State.EXPERIMENT: Bound(again=False)},
+        "As a resolver that counts back. A swing that goes to and fro on its oil is not named: gap.",
+        same(Bound(speed=4.5, again=False), DRIVEN) | {State.EXPERIMENT: Bound(again=False)},
         volts=wires.crossed_valves,
     ),
     "valves' cable cut": Fault(
