@@ -165,8 +165,9 @@ def test_a_random_motion_that_is_let_go_is_judged_and_told(benchmark):
     stopping = benchmark("stopping")
     ended = stopping.stops("c180_hoses", stopping.ROWS["exact"], 3)
     assert all(0.0 < stop.time <= stopping.WITHIN and stop.way < 0.070 for stop in ended)
-    seconds, way, beside, over, rocks, rock = stopping.cells(ended)
-    assert [text.count("/") for text in (seconds, way, beside, rock)] == [2, 2, 2, 2]
+    seconds, way, beside, over, rocks, rock, peak = stopping.cells(ended)
+    assert [text.count("/") for text in (seconds, way, beside, rock, peak)] == [2] * 5
+    assert float(peak.split(" / ")[2]) < 0.7
     assert over == "0 / 0 of 3"
     assert rocks.endswith(" %")
     assert stopping.summary({"exact": ended})["shut_s"] <= stopping.WITHIN
