@@ -6,6 +6,7 @@ what the fastest profile along the path wishes.
 
 import multiprocessing
 import os
+import signal
 from collections.abc import Iterator, Sequence
 from typing import NamedTuple
 
@@ -42,7 +43,10 @@ def tried(trials: Sequence[Trial]) -> Iterator[Figures | None]:
     """
     numbers(ROOMS, load_machine(trials[0].machine))  # all modules are imported once, here
     cross_track_distance(np.eye(3), np.eye(3))  # scipy is, too
-    with multiprocessing.get_context("fork").Pool(len(os.sched_getaffinity(0)), maxtasksperchild=1) as pool:
+    context, count = multiprocessing.get_context("fork"), len(os.sched_getaffinity(0))
+    # Forked workers would take the end of their pool, a SIGTERM, for Ctrl-C as the command does.
+    unheeded = signal.SIGTERM, signal.SIG_DFL
+    with context.Pool(count, signal.signal, unheeded, maxtasksperchild=1) as pool:
         yield pool.apply(figures, (trials[0],))
         yield from pool.imap(figures, trials[1:], chunksize=1)
 
