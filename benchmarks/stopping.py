@@ -11,8 +11,8 @@ believe the machine as its file has it. Both machines, and every row, get the sa
 | beside | its greatest way beside that line, within 0.5 s |
 | rocks | of how many motions the tip was faster than 0.05 m/s at any time from 0.25 s to 1.5 s |
 | over | motions over 0.25 s / over 70 mm |
-| peak | greatest speed of the tip until then, m/s |
 | rock | its greatest distance from its mean place of 1 to 1.5 s, from 0.25 s on |
+| peak | its greatest speed before the release, m/s |
 
 Rows of the matrix draw another plant for every motion, as `forest-study matrix` does in its row "both".
 
