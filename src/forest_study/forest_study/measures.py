@@ -26,7 +26,7 @@ from forest_description.types import Floats
 STEP = 1e-3  # [m] between the points of a path as a line: an arc of 0.1 m is 1 um beside it
 NEAR = 0.01  # [m] of way to a path's end, from which the tip counts as there: profiles end in no speed
 SLIP = 0.05  # [m] by which the place beside the tip may move in a period, at the most
-COARSE = 10  # [1] periods between the rows that are looked at far from a path's end
+COARSE = 25  # [1] periods between the rows that are looked at far from a path's end
 
 
 class Deviation(NamedTuple):
@@ -95,8 +95,8 @@ def _ways_beside(
     for x, y, z in tips.tolist():
         a, b = max(begin, way - 0.5 * STEP), min(end, way + 0.5 * STEP)
         here, there = path.at(a), path.at(b)
-        at, along = path.at(way), (there[0] - here[0], there[1] - here[1], there[2] - here[2])
-        ahead = (x - at[0]) * along[0] + (y - at[1]) * along[1] + (z - at[2]) * along[2]
-        way = max(begin, min(end, way + max(-slip, min(slip, ahead / (b - a)))))
+        along = there[0] - here[0], there[1] - here[1], there[2] - here[2]
+        ahead = (x - here[0]) * along[0] + (y - here[1]) * along[1] + (z - here[2]) * along[2]
+        way = max(begin, min(end, way + max(-slip, min(slip, a - way + ahead / (b - a)))))
         found.append(way)
     return np.array(found)

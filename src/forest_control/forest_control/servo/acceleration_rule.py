@@ -29,6 +29,7 @@ LONGEST = 1.0  # [s] of a ramp: beyond, an operator waits; chosen
 STEP = 0.01  # [s] in which the ramp is looked for
 FREQUENCY: Floats = np.geomspace(0.05, 30.0, 400)  # [Hz] from under the slowest mode to over the spools
 TIME: Floats = np.arange(0.0, 2.0, 0.01)  # [s] after the ramp's begin, in which it overshoots
+WAVES: Floats = np.sin(np.outer(2.0 * math.pi * FREQUENCY, TIME))  # [1] of every frequency
 
 
 def acceleration_by_rule(machine: Machine, speed: float) -> float:
@@ -68,4 +69,4 @@ def overshoot(answers: Complexes, duration: float) -> float:
     ramp = np.sinc(FREQUENCY * duration) * np.exp(-0.5j * w * duration)
     parts = 2.0 / math.pi * (answers * ramp).real * np.gradient(w) / w
     followed = 2.0 / math.pi * w[0] * TIME  # below the first frequency
-    return float((parts @ np.sin(np.outer(w, TIME)) + followed).max()) - 1.0
+    return float((parts @ WAVES + followed).max()) - 1.0

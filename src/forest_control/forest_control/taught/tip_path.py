@@ -172,12 +172,13 @@ def cross_track_distance(line: Floats, places: Floats) -> Floats:
     nearest = tree.query(places, k=range(1, min(NEIGHBOURS, len(line)) + 1))[1]
     corners, tips = np.ascontiguousarray(line.T), np.ascontiguousarray(places.T)
     pieces = np.diff(corners, axis=1) if len(line) > 1 else np.zeros((3, 1))
+    sizes = np.maximum(np.sum(pieces**2, axis=0), np.finfo(float).tiny)
     square: Floats = np.full(len(places), np.inf)
     for start in np.clip(np.hstack([nearest - 1, nearest]), 0, pieces.shape[1] - 1).T:
         piece, since = pieces.take(start, axis=1), tips - corners.take(start, axis=1)
-        size = np.maximum(np.sum(piece**2, axis=0), np.finfo(float).tiny)
-        since -= np.clip(np.sum(since * piece, axis=0) / size, 0.0, 1.0) * piece
-        square = np.minimum(square, np.sum(since**2, axis=0))
+        share = np.einsum("ij,ij->j", since, piece) / sizes.take(start)
+        since -= np.clip(share, 0.0, 1.0) * piece
+        square = np.minimum(square, np.einsum("ij,ij->j", since, since))
     away: Floats = np.sqrt(square)
     return away
 

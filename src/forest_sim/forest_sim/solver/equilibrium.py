@@ -1,6 +1,7 @@
 """Where a simulation starts: every valve shut, nothing moving, gravity held by trapped oil."""
 
 import math
+from functools import lru_cache
 
 from forest_description.geometry.linkage import lever_arm
 from forest_description.types import Vec3
@@ -75,6 +76,7 @@ def _lifts(axis: Axis) -> Lifts:
     return Lifts(resting_lift(axis.holding_1), resting_lift(axis.holding_2))
 
 
+@lru_cache(maxsize=64)
 def idle_supply(s: Supply) -> SupplyState:
     """Return the supply when nobody draws: the pressure at which the pumps deliver nothing."""
     reference = s.margin if s.rate > 0.0 else s.set_pressure
