@@ -1,8 +1,11 @@
 """The closed loop as a notebook has it: arrays with names and units, own levers, refusals of one sentence."""
 
+import dataclasses
+
 import numpy as np
 import pytest
 
+from forest_control.taught.tip_path import PathError
 from forest_description.types import AXES
 from forest_msgs_py.types import PERIOD
 from forest_study.closed_loop.model_mismatch import Ranges
@@ -109,11 +112,34 @@ def test_a_picture_is_drawn_with_units(trace, loop, tmp_path):
         (lambda loop: loop.drive([0.0, 0.0]), r"levers have shape \(2,\); allowed: \[N, 3\]"),
         (lambda loop: loop.drive(lambda now: (0.0, 0.0, 0.0)), "needs seconds"),
         (lambda loop: loop.drive(lambda now: (0.0, np.nan, 0.0), 1.0), "at 0 s the levers are .*allowed"),
+        (lambda loop: loop.drive(lambda now: "up", 1.0), "at 0 s the levers are 'up'; allowed: three finite"),
+        (lambda loop: loop.drive(lambda now: (1j, 0.0, 0.0), 1.0), "at 0 s the levers are .*allowed"),
+        (lambda loop: loop.drive("up", 1.0), r"levers are no table of numbers; allowed: \[N, 3\]"),
+        (lambda loop: loop.drive(lambda now: (0.0, 0.0, 0.0), 1e9), "seconds 1000000000.0; allowed: above 0"),
+        (lambda loop: loop.drive(lambda now: (0.0, 0.0, 0.0), "1"), "seconds '1'; allowed: above 0"),
+        (lambda loop: loop.drive(np.zeros((4, 3)), start=(5.0, 0.0)), r"start \(5.0, 0.0\); allowed: three"),
+        (lambda loop: loop.drive(np.zeros((4, 3)), start=(5.0, 0.0, 1.0, 7.0)), "start .*; allowed: three"),
+        (lambda loop: loop.drive(np.zeros((4, 3)), seed=-1), r"seed -1; allowed: a whole number, 0 \.\."),
+        (lambda loop: loop.follow(LINE, seed=1.5), r"seed 1\.5; allowed: a whole number"),
+        (lambda loop: loop.follow(LINE, laps=0), r"laps 0; allowed: a whole number, 1 \.\. 1000"),
+        (lambda loop: loop.follow(LINE, laps=1.5), r"laps 1\.5; allowed: a whole number"),
+        (lambda loop: loop.follow(LINE, speed="0.5"), "speed '0.5'; allowed: a number above 0"),
+        (lambda loop: loop.follow([(5.0, 0.0, 1.0), (5.0, 0.0)]), "waypoints are no table of numbers"),
+        (lambda loop: closed_loop("c180", adapt="no"), "adapt 'no'; allowed: True, False"),
+        (lambda loop: closed_loop("c180", mismatch={"head_mass": 2.0}), "mismatch .*; allowed: Ranges of"),
+        (lambda loop: closed_loop("c180", mismatch=Ranges(head_mass="2")), "mismatch .*; allowed: Ranges of"),
     ],
 )
 def test_what_cannot_be_is_told_in_a_sentence(loop, wrong, told):
     with pytest.raises(ValueError, match=told):
         wrong(loop)
+
+
+def test_a_load_chart_without_pressures_is_named_where_a_path_does_not_end():
+    forwarder = machine("forwarder")
+    blind = dataclasses.replace(forwarder, sensors=dataclasses.replace(forwarder.sensors, pressure=None))
+    with pytest.raises(PathError, match="the load chart allows only motions that unload"):
+        closed_loop(blind).follow([(5.0, 0.0, 0.5), (5.3, 0.0, 0.5)])
 
 
 def test_an_unknown_array_names_those_there_are(trace):

@@ -44,6 +44,9 @@ if TYPE_CHECKING:
 
 TIP = ("x", "y", "z")
 LEAST = 2  # rows of a drive: a reference needs two
+MOST_LAPS = 1000  # [1] as of `forest-study track`
+MOST_SEED = 2**31 - 1  # [1] as of a sweep
+LONGEST = 86_400.0  # [s] of a drive: a day takes 0.6 GB for the levers alone
 
 
 class Quantity(NamedTuple):
@@ -174,12 +177,16 @@ class Loop:
 
         Raises:
             PathError: the path cannot be read, leaves the reach, or is not ended.
-            ValueError: the scheme is joint, the mode position, or waypoints are not [K, 3].
+            ValueError: the scheme is joint, the mode position, waypoints are not [K, 3], or a number is none
+                that is allowed.
         """
         if self.settings.scheme == scheme_named("joint"):
             raise ValueError("the scheme joint follows no path of the tip; allowed: the others, or drive()")
         if self.settings.mode != Mode.RATE:
             raise ValueError("the mode position follows no path of the tip; allowed: rate, or drive()")
+        _require_whole("laps", laps, 1, MOST_LAPS)
+        if not _is_number(speed):
+            raise ValueError(f"speed {speed!r}; allowed: a number above 0 m/s")
         course = prepare(_path(path), speed, self.settings.scheme, self.model, laps)
         course = course._replace(settings=self.settings._replace(tip_speed=speed), drive=self.driver)
         session = follow(course, self.machine, self._suite(seed), self.driver.adapt, self._plant(seed))
@@ -206,7 +213,7 @@ class Loop:
                 start is out of reach.
         """
         operator, rows = _operator(levers, seconds)
-        at = start_tip(self.machine) if start is None else (start[0], start[1], start[2])
+        at = start_tip(self.machine) if start is None else _three(start, f"start {start!r}")
         held, pose = np.tile(np.array([0.0, 0.0, 0.0, 1.0]), (rows, 1)), pose_at(at, self.machine)
         given = self.machine, held, pose, self.settings, self.driver, self.model
         session = compiled_loop.Session(compiled_loop.prepared(*given, self._suite(seed), self._plant(seed)))
@@ -219,6 +226,8 @@ class Loop:
         return Trace(session.moved, session.levers[:, :3])
 
     def _suite(self, seed: int | None) -> Suite:
+        if seed is not None:
+            _require_whole("seed", seed, 0, MOST_SEED)
         return sensor_suite(self.machine) if seed is None else noisy(self.machine, seed)
 
     def _plant(self, seed: int | None) -> Any:
@@ -257,9 +266,13 @@ def closed_loop(
     Raises:
         MachineError: a machine is not usable.
         ParameterError: a setting is unknown, or its value is not allowed.
-        ValueError: the scheme is unknown, or a range is out of its own.
+        ValueError: the scheme is unknown, a range is out of its own, or `adapt` is neither True nor False.
     """
+    if not isinstance(adapt, bool):
+        raise ValueError(f"adapt {adapt!r}; allowed: True, False")
     if mismatch is not None:
+        if not isinstance(mismatch, Ranges) or not all(x is None or _is_number(x) for x in mismatch):
+            raise ValueError(f"mismatch {mismatch!r}; allowed: Ranges of numbers, as Ranges(head_mass=2.0)")
         model_mismatch.require_ranges(mismatch)
     if scheme not in LABELS:
         raise ValueError(f"scheme {scheme!r}; allowed: {', '.join(LABELS)}")
@@ -274,30 +287,59 @@ def _path(path: str | Path | TipPath | ArrayLike) -> TipPath:
         return path
     if isinstance(path, (str, Path)):
         return path_named(str(path))
-    points = np.asarray(path, dtype=np.float64)
+    points = _array(path)
     if points.ndim != 2 or points.shape[1] != 3 or not np.isfinite(points).all():
-        raise ValueError(f"waypoints have shape {points.shape}; allowed: rows of three finite x, y, z [m]")
+        raise ValueError(f"waypoints {_shape(points)}; allowed: rows of three finite x, y, z [m]")
     return polyline("waypoints", [(x, y, z) for x, y, z in points.tolist()])
 
 
 def _operator(levers: Operator | ArrayLike, seconds: float | None) -> tuple[Operator, int]:
     """Return who says the levers, and for how many periods."""
-    if seconds is not None and not 0.0 < seconds < math.inf:
-        raise ValueError(f"seconds {seconds!r}; allowed: above 0")
+    if seconds is not None and not (_is_number(seconds) and 0.0 < seconds <= LONGEST):
+        raise ValueError(f"seconds {seconds!r}; allowed: above 0, at most {LONGEST:g}")
     if callable(levers):
         if seconds is None:
             raise ValueError("a function of levers needs seconds, how long it drives")
         return levers, max(LEAST, round(seconds / PERIOD))
-    table = np.asarray(levers, dtype=np.float64)
+    table = _array(levers)
     if table.ndim != 2 or table.shape[1] != 3 or len(table) < LEAST:
-        raise ValueError(f"levers have shape {table.shape}; allowed: [N, 3], a row of 5 ms, two at the least")
+        raise ValueError(f"levers {_shape(table)}; allowed: [N, 3], a row of 5 ms, two at the least")
     rows = len(table) if seconds is None else min(len(table), max(LEAST, round(seconds / PERIOD)))
     return (lambda seen: table[round(seen.time / PERIOD)]), rows
 
 
 def _deflections(said: Sequence[float], row: int) -> Floats:
     """Return three deflections as a joystick has them."""
-    found = np.asarray(said, dtype=np.float64)
+    three = _three(said, f"at {row * PERIOD:g} s the levers are {said!r}")
+    return np.array(three).clip(-1.0, 1.0)
+
+
+def _three(said: ArrayLike, what: str) -> Vec3:
+    """Return three finite numbers, or raise ValueError."""
+    found = _array(said)
     if found.shape != (3,) or not np.isfinite(found).all():
-        raise ValueError(f"at {row * PERIOD:g} s the levers are {said!r}; allowed: three finite numbers")
-    return found.clip(-1.0, 1.0)
+        raise ValueError(f"{what}; allowed: three finite numbers")
+    return float(found[0]), float(found[1]), float(found[2])
+
+
+def _array(said: ArrayLike) -> Floats:
+    """Return what was given as an array of numbers; a single NaN where it is none."""
+    try:
+        found = np.asarray(said)
+    except ValueError:  # rows of several lengths
+        return np.array(math.nan)
+    return found.astype(np.float64) if found.dtype.kind in "biuf" else np.array(math.nan)
+
+
+def _shape(found: Floats) -> str:
+    """Return what is told of an array that cannot be."""
+    return f"have shape {found.shape}" if found.ndim else "are no table of numbers"
+
+
+def _is_number(value: object) -> bool:
+    return isinstance(value, (int, float, np.integer, np.floating)) and not isinstance(value, bool)
+
+
+def _require_whole(name: str, value: object, low: int, high: int) -> None:
+    if not isinstance(value, (int, np.integer)) or isinstance(value, bool) or not low <= value <= high:
+        raise ValueError(f"{name} {value!r}; allowed: a whole number, {low} .. {high}")

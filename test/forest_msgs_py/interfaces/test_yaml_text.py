@@ -54,3 +54,9 @@ def test_of_a_file_without_an_end_no_more_is_read_than_may_stand_there(tmp_path)
     os.truncate(file, 1 << 30)  # a file of holes takes no place on the disk
     with pytest.raises(yaml.YAMLError, match=f"more than the {LARGEST} bytes"):
         read_yaml(file)
+
+
+def test_a_key_that_stands_twice_is_refused():
+    with pytest.raises(yaml.YAMLError, match="line 3: 'a' stands there twice"):
+        parsed("b:\n  a: 1\n  a: 2\n")
+    assert parsed("b: {a: 1}\na: 2\n") == {"b": {"a": 1}, "a": 2}

@@ -49,6 +49,10 @@ def test_the_shipped_machines_have_nothing_else_than_their_hoses_to_warn_of():
             ["swing: its resolver shows -158 .. 158 deg", "-180.0 to 180.0"],
         ),
         (sensors("linear_transducer", full_scale=0.9), ["boom: its linear", "stick: its linear"]),
+        (
+            dataclasses.replace(FORWARDER, sensors=dataclasses.replace(FORWARDER.sensors, pressure=None)),
+            ["capacity without sensors.pressure: no load is weighed"],
+        ),
         (sensors("pressure", full_scale=2e7), ["end at 20.0 MPa, below the pump's 20.7 MPa"]),
         (
             inertia("boom", C180.manipulator.boom_x, 78.0),
@@ -80,6 +84,7 @@ def test_the_shipped_machines_have_nothing_else_than_their_hoses_to_warn_of():
     ids=[
         "resolver",
         "transducer",
+        "load chart",
         "pressure",
         "boom's inertia",
         "stick's inertia",

@@ -33,7 +33,7 @@ def parsed(text: str, most: int = LARGEST) -> Any:
 
     Raises:
         yaml.YAMLError: it is not YAML, is too long or nested too deeply, holds a date or a number that is
-            none, or aliases that stand for too much.
+            none, a key that stands twice in its mapping, or aliases that stand for too much.
     """
     if len(text) > most:
         raise yaml.YAMLError(f"more than the {most} characters that are allowed")
@@ -57,7 +57,19 @@ def _values(node: yaml.Node, known: dict[int, int]) -> int:
     """Return for how many values a node stands, its aliases followed; too many for one that holds itself."""
     if id(node) not in known:
         known[id(node)] = MOST_VALUES + 1
+        if isinstance(node, yaml.MappingNode):
+            _refuse_twice(node)
         parts = node.value if isinstance(node, yaml.SequenceNode | yaml.MappingNode) else ()
         nodes = [part for pair in parts for part in pair] if isinstance(node, yaml.MappingNode) else parts
         known[id(node)] = 1 + sum(_values(part, known) for part in nodes)
     return known[id(node)]
+
+
+def _refuse_twice(mapping: yaml.MappingNode) -> None:
+    """Raise YAMLError if a key stands twice: only the last would count."""
+    seen: set[str] = set()
+    for key, _ in mapping.value:
+        if isinstance(key, yaml.ScalarNode):
+            if key.value in seen:
+                raise yaml.YAMLError(f"line {key.start_mark.line + 1}: {key.value!r} stands there twice")
+            seen.add(key.value)

@@ -127,7 +127,7 @@ def _play_warnings(machine: Machine) -> list[str]:
 
 
 def _sensor_warnings(machine: Machine) -> list[str]:
-    """Return a sentence for each sensor whose reading ends before what it measures does."""
+    """Return a sentence for each sensor whose reading ends too early, or that the load chart lacks."""
     sensors, found = machine.sensors, []
     if sensors.resolver is not None:
         half = math.degrees(0.5 * sensors.resolver.full_scale)
@@ -149,6 +149,11 @@ def _sensor_warnings(machine: Machine) -> list[str]:
         found.append(
             f"the pressure transducers end at {sensors.pressure.full_scale / MPA:.1f} MPa, below the pump's "
             f"{machine.pump.supply_pressure / MPA:.1f} MPa"
+        )
+    if sensors.pressure is None and machine.capacity is not None:
+        found.append(
+            "capacity without sensors.pressure: no load is weighed, so the controller allows only motions "
+            "that unload"
         )
     return found
 

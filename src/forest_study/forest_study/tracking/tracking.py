@@ -140,7 +140,9 @@ def follow(
         if len(led.clock) < len(rows):
             return scored(course, led, machine)
     path = course.drawn[0].lap.path.name
-    raise PathError(f"{path}: after {most:g} times the profile's time the tip is not at the end")
+    blind = course.model.capacity is not None and machine.sensors.pressure is None
+    why = ": without sensors.pressure the load chart allows only motions that unload" if blind else ""
+    raise PathError(f"{path}: after {most:g} times the profile's time the tip is not at the end{why}")
 
 
 def scored(course: Course, led: Led, machine: Machine) -> Session:
