@@ -1,26 +1,57 @@
-"""A browser, and pages of it, for all tests of a module: starting one takes a second."""
+"""A browser for all files that need one: starting it takes a second. Pages of it for all tests of a file."""
 
-from collections.abc import Iterator
+import contextlib
+from collections.abc import Generator, Iterator
+from pathlib import Path
+from typing import Any
 
 import pytest
 from browser import DESKTOP, PHONE, launched
 from page_stand_in import ADDRESS, PageStandIn, serve_file
 from paused_page import opened
-from playwright.sync_api import Browser, Error, sync_playwright
+from playwright.sync_api import Browser, Error, Playwright, sync_playwright
+
+_lives = contextlib.ExitStack()
+_kept: dict[str, Any] = {}
+_users: set[Path] = set()  # files with tests that need a browser
+
+
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Note which files need a browser."""
+    _users.update(item.path for item in items if "playwright" in getattr(item, "fixturenames", ()))
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_runtest_teardown(nextitem: pytest.Item | None) -> Generator[None, Any, Any]:
+    """End the browser before a file that needs none: while it runs, nobody else can use asyncio."""
+    try:
+        return (yield)
+    finally:
+        if nextitem is None or nextitem.path not in _users:
+            _kept.clear()
+            _lives.close()
+
+
+def _keep(name: str, made: contextlib.AbstractContextManager[Any]) -> Any:
+    _kept[name] = _lives.enter_context(made)
+    return _kept[name]
 
 
 @pytest.fixture(scope="module")
-def playwright():
+def playwright() -> Any:
     """What starts browsers; there can be one at a time."""
-    with sync_playwright() as running:
-        yield running
+    return _kept["playwright"] if "playwright" in _kept else _keep("playwright", sync_playwright())
 
 
 @pytest.fixture(scope="module")
-def browser(playwright):
-    """A headless Chromium."""
-    with launched(playwright) as running:
-        yield running
+def browser(playwright: Playwright) -> Iterator[Browser]:
+    """A headless Chromium; of a file's pages nothing is left to the next one."""
+    running = _kept.get("browser")
+    if running is None or not running.is_connected():
+        running = _keep("browser", launched(playwright))
+    yield running
+    for context in running.contexts:
+        context.close()
 
 
 @pytest.fixture(scope="module")
