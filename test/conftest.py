@@ -93,7 +93,7 @@ def pytest_make_collect_report(collector: pytest.Collector) -> Generator[None, A
 
 @pytest.hookimpl(tryfirst=True)
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Mark the live tests, and run the files with most of them first.
+    """Mark the live tests, and run the files with most of them first, then the pages' examples.
 
     A file runs in one worker: the last one to begin should be short.
     """
@@ -103,7 +103,9 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     unseen = {str(item.path) for item in live if not LIVE.search(item.path.read_text("utf-8"))}
     assert not unseen, f"live tests, but `-m live` passes over them: {unseen}"
     starts = Counter(item.path for item in live)
-    items.sort(key=lambda item: (starts[item.path], str(item.path)), reverse=True)
+    items.sort(
+        key=lambda item: (starts[item.path], item.path.parent.name == "docs", str(item.path)), reverse=True
+    )
 
 
 def _is_live(item: pytest.Item) -> bool:
@@ -144,6 +146,13 @@ def domain_id(monkeypatch: pytest.MonkeyPatch) -> Iterator[int]:
 @pytest.fixture(scope="session")
 def session_domain_id() -> Iterator[int]:
     """A domain for a fixture that serves many tests; whoever uses it hands it on."""
+    with claimed_domain() as number:
+        yield number
+
+
+@pytest.fixture(scope="session")
+def lockstep_domain_id() -> Iterator[int]:
+    """A domain for nodes in lockstep: no clock hurries them, so their tests are not live."""
     with claimed_domain() as number:
         yield number
 

@@ -1,33 +1,23 @@
-"""Every example of the tutorials and the how-to guides runs, and prints what its page shows."""
+"""Every example of the tutorials and the how-to guides runs, and prints what its page shows.
+
+Pages that run nodes live, or change the sources and need no bag, are in files of their own: files run side by
+side.
+"""
 
 import os
 import re
-import shutil
-import sys
-from pathlib import Path
 
 import pytest
 from page_examples import examples, matches, run_page
+from page_reader import DOCS, FIRST, PAGES, changes_sources, is_live, looks_at_the_demo, read, workplace
 
-ROOT = Path(__file__).resolve().parents[2]
-DOCS = ROOT / "docs"
-FIRST = "tutorials/first-demo.md"  # leaves the bag that other pages look at
-
-
-def changes_sources(page):
-    """Tell whether a page's reader changes the sources."""
-    return any(one.kind == "diff" for one in examples(DOCS / page))
-
-
+HERE = [
+    page
+    for page in PAGES
+    if page != FIRST and not is_live(page) and (looks_at_the_demo(page) or not changes_sources(page))
+]
 # Who changes sources comes last: then no kernel fits them, and nodes run interpreted, for the pages after it.
-PAGES = sorted(
-    (
-        path.relative_to(DOCS).as_posix()
-        for room in ("tutorials", "how-to")
-        for path in (DOCS / room).glob("*.md")
-    ),
-    key=lambda page: (changes_sources(page), page),
-)
+HERE.sort(key=changes_sources)
 
 # The one place that lists what is not run: page, and how many of its blocks.
 NOT_RUN = {
@@ -54,37 +44,21 @@ NOT_RUN = {
 
 
 @pytest.fixture(scope="module")
-def workplace(tmp_path_factory, session_domain_id):
-    """Folder and environment of a reader; sources come with the first page that changes them."""
+def reader(tmp_path_factory, lockstep_domain_id):
+    """Folder and environment of a reader who has done the first demo."""
     folder = tmp_path_factory.mktemp("checkout")
-    (folder / ".venv" / "bin").mkdir(parents=True)
-    (folder / ".venv" / "bin" / "activate").write_text("")
-    (folder / "scripts").mkdir()
-    for name in ("demo", "graph"):
-        (module,) = re.findall(r" -m (\S+) ", (ROOT / "scripts" / f"{name}.sh").read_text("utf-8"))
-        script = folder / "scripts" / f"{name}.sh"
-        script.write_text(f'#!/bin/sh\nexec "{sys.executable}" -m {module} "$@"\n')
-        script.chmod(0o755)
-    environment = {
-        **os.environ,
-        "PATH": f"{Path(sys.executable).parent}:{os.environ['PATH']}",
-        "PYTHONPATH": ":".join(str(folder / "src" / path.name) for path in (ROOT / "src").iterdir()),
-        "ROS_DOMAIN_ID": str(session_domain_id),
-    }
+    environment = workplace(folder, lockstep_domain_id)
     run_page(DOCS / FIRST, folder, environment)
     return folder, environment
 
 
-def test_the_first_demo_leaves_its_bag(workplace):
-    assert (workplace[0] / "bags" / "demo" / "bag" / "metadata.yaml").is_file()
+def test_the_first_demo_leaves_its_bag(reader):
+    assert (reader[0] / "bags" / "demo" / "bag" / "metadata.yaml").is_file()
 
 
-@pytest.mark.parametrize("page", [page for page in PAGES if page != FIRST])
-def test_a_page_runs_as_it_is_written(page, workplace):
-    folder, environment = workplace
-    if (folder / "src").exists() or changes_sources(page):
-        shutil.copytree(ROOT / "src", folder / "src", dirs_exist_ok=True)
-    run_page(DOCS / page, folder, environment)
+@pytest.mark.parametrize("page", HERE)
+def test_a_page_runs_as_it_is_written(page, reader):
+    read(page, *reader)
 
 
 def test_what_is_not_run_is_listed():
