@@ -43,7 +43,9 @@ class Settings(NamedTuple):
     Three numbers are of swing, boom, stick. Symbols are those of `schemes`.
     """
 
-    scheme: Annotated[Scheme, tunable("control scheme")] = Scheme.COORDINATED
+    scheme: Annotated[Scheme, tunable("control scheme; to and from joint once nothing moves")] = (
+        Scheme.COORDINATED
+    )
     mode: Annotated[Mode, tunable("meaning of a deflection: tip velocity or position")] = Mode.RATE
     position_source: Annotated[
         Source,

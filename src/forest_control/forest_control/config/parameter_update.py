@@ -3,9 +3,13 @@
 A change keeps the command where it was and lets the difference fade (`bumpless_transfer`). Changes
 that come faster, as from a slider that is dragged, would hold levers and servos off and rock the
 crane. So they wait, and the newest counts.
+
+In the scheme `joint` a lever moves a valve, in all others the tip: one that is held would come to mean
+another motion, ten times as fast. Such a change waits until nothing moves.
 """
 
 from forest_control.config.controller_settings import Parameters
+from forest_control.servo.schemes import Scheme
 
 SETTLED = 1.0  # [s] between two changes: a transfer fades in 0.2 s, the rocking of a swing in 1 s
 
@@ -34,7 +38,10 @@ class ParameterUpdate:
             dt: since the last time [s].
         """
         self._since += dt
-        if self._requested is None or not (resting or self._since >= SETTLED):
+        if self._requested is None:
+            return False
+        turns = (self.core.scheme == Scheme.JOINT) != (self._requested.scheme == Scheme.JOINT)
+        if not resting and (turns or self._since < SETTLED):
             return False
         self.core, self._requested, self._since = self._requested, None, 0.0
         return True
