@@ -518,9 +518,11 @@ def test_scheme_and_gains_can_be_set_while_it_moves_and_nonsense_is_refused(rig,
         return future.result().results[0]
 
     assert not wishes
-    r.commands.clear()
     assert answer("scheme", "coordinated").successful
-    peer.until(lambda: wishes and r.moving())
+    r.commands.clear()
+    peer.until(lambda: len(r.commands) > 50)
+    assert r.moving()
+    assert not wishes  # until nothing moves a lever goes on to move a joint
     assert answer("tip_speed", 1).successful  # a whole number, as people type it
     assert answer("feedback_gain", [3.0, 4.0, 4.0]).successful
     assert answer("profile", "operator").successful
@@ -541,6 +543,7 @@ def test_scheme_and_gains_can_be_set_while_it_moves_and_nonsense_is_refused(rig,
         assert said in found.reason
     r.joy_timer.cancel()
     peer.until(lambda: r.standing() and not is_armed(r.statuses[-1]))
+    peer.until(lambda: wishes)
     assert answer("workspace", "c180").successful
     assert r.process.poll() is None
 
