@@ -16,7 +16,6 @@ Without chambers in the machine's file the oil adds nothing: hoses alone are sti
 """
 
 import math
-from functools import lru_cache
 from typing import NamedTuple
 
 from forest_control.valve.valve_driver_parameters import AxisDriver, axis_drivers
@@ -116,7 +115,6 @@ def arm_inertia(q: Vec3, arm: ArmModel) -> Vec3:
     )
 
 
-@lru_cache(maxsize=16)  # the rules ask at each pose
 def arm_model(machine: Machine) -> ArmModel:
     """Return the constants for a machine."""
     m, axes = machine.manipulator, axis_drivers(machine)

@@ -14,7 +14,6 @@ changes as it speeds up. Boom and stick carry mostly their weight, which the val
 """
 
 import math
-from functools import lru_cache
 from typing import NamedTuple
 
 from forest_control.servo.arm_feedforward import compliance
@@ -54,7 +53,6 @@ def _link_inertia(offset: float, c: float, s: float, body: tuple[float, ...]) ->
     return mass * r * r + yy * c * c + xx * s * s - 2.0 * xy * s * c
 
 
-@lru_cache(maxsize=16)  # the rules ask at each pose
 def swing_model(machine: Machine) -> SwingModel:
     """Return the constants for a machine."""
     m, axis = machine.manipulator, axis_drivers(machine)[0]

@@ -5,7 +5,6 @@ cylinder; motor.
 """
 
 import math
-from functools import lru_cache
 from typing import Annotated, NamedTuple
 
 from forest_control.valve.inlet_oil import FreeAir, Holding, free_air, holding
@@ -148,7 +147,6 @@ def parameters(machine: Machine, settings: Settings) -> Parameters:
     )
 
 
-@lru_cache(maxsize=16)  # the rules ask at each pose
 def axis_drivers(machine: Machine, beyond_valve: bool = True, dither: float = 0.0) -> Axes:
     """Return the actuators of a machine, with the valve alone or with what lies beyond it, too."""
     speeds = rated_speeds(machine)

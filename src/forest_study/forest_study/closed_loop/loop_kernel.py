@@ -46,16 +46,11 @@ def knowledge(
     return Knowledge(
         sensors=Sensors(plant_parameters(machine), suite.channels, suite.period, NOMINAL),
         links=machine.manipulator.links,
-        control=_controller(model, control),
-        drive=_driver(model, drive),
+        control=controller_settings.parameters(model, control),
+        drive=valve_driver_parameters.parameters(model, drive),
         guard=loop_core.guard_of(suite),
         substeps=substeps,
     )
-
-
-# runs that differ in seed and plant alone share them
-_controller = lru_cache(maxsize=64)(controller_settings.parameters)
-_driver = lru_cache(maxsize=64)(valve_driver_parameters.parameters)
 
 
 def begin(k: Knowledge, start: Vec3, suite: Suite) -> Loop:
