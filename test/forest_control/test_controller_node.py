@@ -503,7 +503,7 @@ def test_degrees_for_radians_move_nothing(rig, peer):
     r.push()
 
 
-def test_scheme_and_gains_can_be_set_while_it_moves_and_nonsense_is_refused(rig, peer):
+def test_gains_can_be_set_while_it_moves_joint_waits_for_rest_and_nonsense_is_refused(rig, peer):
     from rclpy.parameter import Parameter
     from rclpy.parameter_client import AsyncParameterClient
 

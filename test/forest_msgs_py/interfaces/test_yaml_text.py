@@ -60,3 +60,4 @@ def test_a_key_that_stands_twice_is_refused():
     with pytest.raises(yaml.YAMLError, match="line 3: 'a' stands there twice"):
         parsed("b:\n  a: 1\n  a: 2\n")
     assert parsed("b: {a: 1}\na: 2\n") == {"b": {"a": 1}, "a": 2}
+    assert parsed("{1: a, '1': b}") == {1: "a", "1": "b"}

@@ -4,8 +4,8 @@ A change keeps the command where it was and lets the difference fade (`bumpless_
 that come faster, as from a slider that is dragged, would hold levers and servos off and rock the
 crane. So they wait, and the newest counts.
 
-In the scheme `joint` a lever moves a valve, in all others the tip: one that is held would come to mean
-another motion, ten times as fast. Such a change waits until nothing moves.
+In the scheme `joint` a lever moves one joint, in all others the tip: one that is held would come to mean
+another motion, up to nine times as fast. Such a change waits until nothing is commanded.
 """
 
 from forest_control.config.controller_settings import Parameters
@@ -40,8 +40,8 @@ class ParameterUpdate:
         self._since += dt
         if self._requested is None:
             return False
-        turns = (self.core.scheme == Scheme.JOINT) != (self._requested.scheme == Scheme.JOINT)
-        if not resting and (turns or self._since < SETTLED):
+        other_levers = (self.core.scheme == Scheme.JOINT) != (self._requested.scheme == Scheme.JOINT)
+        if not resting and (other_levers or self._since < SETTLED):
             return False
         self.core, self._requested, self._since = self._requested, None, 0.0
         return True

@@ -67,9 +67,8 @@ def _values(node: yaml.Node, known: dict[int, int]) -> int:
 
 def _refuse_twice(mapping: yaml.MappingNode) -> None:
     """Raise YAMLError if a key stands twice: only the last would count."""
-    seen: set[str] = set()
-    for key, _ in mapping.value:
-        if isinstance(key, yaml.ScalarNode):
-            if key.value in seen:
-                raise yaml.YAMLError(f"line {key.start_mark.line + 1}: {key.value!r} stands there twice")
-            seen.add(key.value)
+    seen: set[tuple[str, str]] = set()
+    for key in [key for key, _ in mapping.value if isinstance(key, yaml.ScalarNode)]:
+        if (key.tag, key.value) in seen:  # 1 and "1" are two
+            raise yaml.YAMLError(f"line {key.start_mark.line + 1}: {key.value!r} stands there twice")
+        seen.add((key.tag, key.value))

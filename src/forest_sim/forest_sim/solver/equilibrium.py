@@ -76,7 +76,7 @@ def _lifts(axis: Axis) -> Lifts:
     return Lifts(resting_lift(axis.holding_1), resting_lift(axis.holding_2))
 
 
-@lru_cache(maxsize=64)
+@lru_cache(maxsize=64)  # runs of a study share their supply
 def idle_supply(s: Supply) -> SupplyState:
     """Return the supply when nobody draws: the pressure at which the pumps deliver nothing."""
     reference = s.margin if s.rate > 0.0 else s.set_pressure
