@@ -15,7 +15,7 @@ from forest_control.pipeline.control_state import ValveFeedback
 from forest_control.pipeline.guarded_controller import GuardedController
 from forest_control.safety.driver_response import DriverSample
 from forest_control.safety.motion_permission import MachineState, PermissionParameters
-from forest_control.valve import valve_driver, valve_driver_parameters
+from forest_control.valve import load_estimate, valve_driver, valve_driver_parameters
 from forest_control.valve.tracking_limit import FULL
 from forest_description.derived.limits import pose_at, start_tip
 from forest_description.machine import load_machine
@@ -106,8 +106,8 @@ class Crane:
         feedback = ValveFeedback(FULL, self.voltages, DriverSample(self.voltages, now))
         _, told = self.controller.advance(state, feedback, now)
         at, supply = seen.pressures, seen.supply_pressure
-        pressures = valve_driver.Pressures((at[1], at[5], at[9]), (at[3], at[7], at[11]), supply)
-        motion = valve_driver.Motion(seen.actuators.position, (at[0], at[4], at[8]), (at[2], at[6], at[10]))
+        pressures = load_estimate.Pressures((at[1], at[5], at[9]), (at[3], at[7], at[11]), supply)
+        motion = load_estimate.Motion(seen.actuators.position, (at[0], at[4], at[8]), (at[2], at[6], at[10]))
         self.drive, self.voltages = valve_driver.step(
             self.drive, told.output.command, pressures, motion, self.driver, PERIOD
         )

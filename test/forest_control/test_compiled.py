@@ -14,7 +14,7 @@ from forest_control.operator.levers import Levers
 from forest_control.pipeline import control_state, controller
 from forest_control.servo.joint_angle_filter import UNREAD
 from forest_control.servo.schemes import Scheme
-from forest_control.valve import valve_driver, valve_driver_parameters
+from forest_control.valve import load_estimate, valve_driver, valve_driver_parameters
 from forest_description.machine import load_machine
 
 DT = 0.005
@@ -73,11 +73,11 @@ def test_the_drivers_step_is_the_interpreted_one(machine, adapt):
     rows = walk(5, 300, [-9] * 3 + [1e5] * 12 + [8e6] + [-1] * 3, [9] * 3 + [18e6] * 12 + [2e7] + [1] * 3)
     inputs = []
     for k, row in enumerate(rows):
-        seen = valve_driver.Pressures(tuple(row[3:6]), tuple(row[6:9]), row[15])
-        motion = valve_driver.Motion(tuple(row[16:]), tuple(row[9:12]), tuple(row[12:15]))
+        seen = load_estimate.Pressures(tuple(row[3:6]), tuple(row[6:9]), row[15])
+        motion = load_estimate.Motion(tuple(row[16:]), tuple(row[9:12]), tuple(row[12:15]))
         unseen = k % 60 > 50
-        pressures = valve_driver.UNSEEN if unseen else seen
-        inputs.append((tuple(row[:3]), pressures, valve_driver.STILL if unseen else motion))
+        pressures = load_estimate.UNSEEN if unseen else seen
+        inputs.append((tuple(row[:3]), pressures, load_estimate.STILL if unseen else motion))
     fast = run(compiled.driver_step(), valve_driver.REST, p, inputs)
     assert fast == run(valve_driver.step, valve_driver.REST, p, inputs)
     assert len(set(fast[0])) > 100
@@ -86,7 +86,7 @@ def test_the_drivers_step_is_the_interpreted_one(machine, adapt):
 def test_a_state_stays_what_it_was_when_the_step_moves_on():
     compiled.DRIVER.kernel()
     p = valve_driver_parameters.parameters(load_machine("c180_hoses"), valve_driver_parameters.Settings())
-    step, unseen = compiled.driver_step(), (valve_driver.UNSEEN, valve_driver.STILL)
+    step, unseen = compiled.driver_step(), (load_estimate.UNSEEN, load_estimate.STILL)
     first, _ = step(valve_driver.REST, (1.0, 0.0, 0.0), *unseen, p, DT)
     second, volts = step(first, (2.0, 0.0, 0.0), *unseen, p, DT)
     assert first.voltages != second.voltages

@@ -13,8 +13,8 @@ pytest.importorskip("rclpy")
 
 from std_srvs.srv import Trigger
 
-from forest_control.valve import valve_driver, valve_driver_parameters
-from forest_control.valve.valve_driver import Pressures
+from forest_control.valve import load_estimate, valve_driver, valve_driver_parameters
+from forest_control.valve.load_estimate import Pressures
 from forest_control.valve.valve_driver_parameters import Settings
 from forest_description.machine import load_machine
 from forest_msgs_py.interfaces import topics
@@ -49,11 +49,11 @@ def stamp(message):
     return read_float_array(topics.VALVE_VOLTAGES, message, 0).stamp_ns
 
 
-def compensated(measured=valve_driver.UNSEEN, values=COMMAND, **settings):
+def compensated(measured=load_estimate.UNSEEN, values=COMMAND, **settings):
     p = valve_driver_parameters.parameters(
         load_machine("c180_hoses"), Settings(**{"beyond_valve": False, **settings})
     )
-    return valve_driver.step(valve_driver.REST, values, measured, valve_driver.STILL, p, 0.005)[1]
+    return valve_driver.step(valve_driver.REST, values, measured, load_estimate.STILL, p, 0.005)[1]
 
 
 class Rig:

@@ -17,7 +17,7 @@ from forest_control.config import controller_settings
 from forest_control.limits import workspace
 from forest_control.operator import levers, operator_profile
 from forest_control.pipeline import bumpless_transfer, control_state, controller, motion_command, stop_profile
-from forest_control.valve import valve_driver, valve_driver_parameters
+from forest_control.valve import load_estimate, valve_driver, valve_driver_parameters
 from forest_description.geometry import kinematics
 from forest_description.machine import load_machine
 from forest_msgs_py.types import PERIOD
@@ -56,7 +56,7 @@ def _control() -> Example:
 @lru_cache(maxsize=1)
 def _drive() -> Example:
     p = valve_driver_parameters.parameters(load_machine("c180"), valve_driver_parameters.Settings())
-    inputs = (0.0, 0.0, 0.0), valve_driver.UNSEEN, valve_driver.STILL
+    inputs = (0.0, 0.0, 0.0), load_estimate.UNSEEN, load_estimate.STILL
     state, voltages = valve_driver.step(valve_driver.REST, *inputs, p, PERIOD)
     return Example(state, inputs, p, voltages)
 

@@ -15,8 +15,8 @@ from forest_control.pipeline import control_state, controller
 from forest_control.pipeline.control_state import Inputs
 from forest_control.safety.state_checks import implausible
 from forest_control.servo.schemes import Scheme
-from forest_control.valve import valve_driver, valve_driver_parameters
-from forest_control.valve.valve_driver import Pressures
+from forest_control.valve import load_estimate, valve_driver, valve_driver_parameters
+from forest_control.valve.load_estimate import Pressures
 from forest_description.machine import load_machine
 
 MACHINE = load_machine("c180_hoses")
@@ -56,7 +56,7 @@ def test_whatever_is_commanded_and_measured_no_valve_gets_more_than_its_rating(s
     """Neither NaN nor the infinite; what is commanded so gets nothing."""
     state = valve_driver.REST
     for command, port_1, port_2, supply, positions, dt in steps:
-        motion = valve_driver.Motion(positions, port_1, port_2)
+        motion = load_estimate.Motion(positions, port_1, port_2)
         pressures = Pressures(port_1, port_2, supply)
         state, volts = valve_driver.step(state, command, pressures, motion, DRIVER, dt)
         assert all(abs(v) <= RATED for v in (*volts, *state.voltages))  # false for NaN as well
@@ -69,7 +69,7 @@ def test_two_commands_for_one_moment_of_the_machine_open_no_valve_wide(dt):
     p = valve_driver_parameters.parameters(MACHINE, valve_driver_parameters.Settings())
     command = (0.1, 0.1, -0.1)
     _, usual = valve_driver.step(
-        valve_driver.REST, command, valve_driver.UNSEEN, valve_driver.STILL, p, 0.0025
+        valve_driver.REST, command, load_estimate.UNSEEN, load_estimate.STILL, p, 0.0025
     )
-    _, volts = valve_driver.step(valve_driver.REST, command, valve_driver.UNSEEN, valve_driver.STILL, p, dt)
+    _, volts = valve_driver.step(valve_driver.REST, command, load_estimate.UNSEEN, load_estimate.STILL, p, dt)
     assert all(abs(v) <= abs(u) * (1.0 + 1e-9) < 0.7 * RATED for v, u in zip(volts, usual, strict=True))

@@ -6,9 +6,10 @@ from dataclasses import replace
 import pytest
 
 from forest_control.limits.actuator_speed_limits import joint_rate_limits, speed_limit_parameters
+from forest_control.valve.load_estimate import Motion, Pressures
 from forest_control.valve.tracking_limit import OpeningRatio
 from forest_control.valve.valve_adaptation import DirectionEstimate, gain
-from forest_control.valve.valve_driver import REST, Motion, Pressures, step
+from forest_control.valve.valve_driver import REST, step
 from forest_control.valve.valve_driver_parameters import Settings, parameters
 from forest_control.valve.valve_inverse import required_opening
 from forest_description.derived.actuator_kinematics import displacements, metering_drop, rated_speeds

@@ -7,7 +7,8 @@ import pytest
 from unlike_ways import with_unlike_ways
 
 from forest_control.valve.inlet_oil import FreeAir, Holding, free_air, holding, lacking_oil, shut_share
-from forest_control.valve.valve_driver import REST, Motion, Pressures, step
+from forest_control.valve.load_estimate import Motion, Pressures
+from forest_control.valve.valve_driver import REST, step
 from forest_control.valve.valve_driver_parameters import Settings, parameters
 from forest_control.valve.valve_inverse import PASSES, PRESSING, OilState, required_opening, spool_voltage
 from forest_description.hydraulics.load_holding_parameters import PilotCheckValve, RuptureValve

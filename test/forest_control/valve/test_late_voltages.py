@@ -5,7 +5,8 @@ import math
 import pytest
 
 from forest_control.valve import valve_driver, valve_driver_parameters
-from forest_control.valve.valve_driver import REST, STILL, UNSEEN
+from forest_control.valve.load_estimate import STILL, UNSEEN
+from forest_control.valve.valve_driver import REST
 from forest_control.valve.valve_driver_parameters import Settings
 from forest_description.machine import load_machine
 

@@ -9,8 +9,9 @@ from unlike_ways import with_unlike_ways
 
 from forest_control.servo.arm_feedforward import arm_inertia, arm_model
 from forest_control.servo.swing_feedforward import inertia, swing_model
+from forest_control.valve.load_estimate import STILL, Pressures, plausible
 from forest_control.valve.load_feedback import DAMPING, load_feedback, moved_mass
-from forest_control.valve.valve_driver import REST, STILL, Pressures, plausible, step
+from forest_control.valve.valve_driver import REST, step
 from forest_control.valve.valve_driver_parameters import Settings, axis_drivers, parameters
 from forest_description.derived.limits import joint_limits
 from forest_description.geometry.linkage import lever_arm

@@ -7,8 +7,9 @@ import numpy as np
 import pytest
 
 from forest_control.valve import valve_driver, valve_driver_parameters
+from forest_control.valve.load_estimate import STILL, UNSEEN
 from forest_control.valve.spool_model import SpoolLaw, after
-from forest_control.valve.valve_driver import REST, STILL, UNSEEN
+from forest_control.valve.valve_driver import REST
 from forest_description.machine import load_machine
 from forest_sim.hydraulics.spool_dynamics import Spool, SpoolLag, spool_after
 

@@ -6,8 +6,9 @@ from typing import NamedTuple
 import numpy as np
 import pytest
 
-from forest_control.valve import valve_driver, valve_driver_parameters, valve_hold
-from forest_control.valve.valve_driver import REST, STILL, UNSEEN, Pressures
+from forest_control.valve import load_estimate, valve_driver, valve_driver_parameters, valve_hold
+from forest_control.valve.load_estimate import STILL, UNSEEN, Pressures
+from forest_control.valve.valve_driver import REST
 from forest_control.valve.valve_driver_parameters import Settings
 from forest_description.derived.actuator_kinematics import rated_speeds
 from forest_description.hydraulics.valve_characteristic import (
@@ -171,27 +172,27 @@ def test_voltage_stays_within_the_rating_under_every_load(axis, direction):
 def test_without_pressures_the_nominal_drop_is_assumed(axis):
     for command in (4.0, -4.0):
         state, volts = valve_driver.step(REST, on_axis(axis, command), UNSEEN, STILL, parameters(), PERIOD)
-        assert not state.primed
+        assert not state.load.primed
         assert volts[axis] == voltage(axis, command, pressures(axis, 0.0))
 
 
 def test_loads_are_forgotten_when_the_pressures_are_lost():
     p, command = parameters(), on_axis(1, 4.0)
     state, _ = valve_driver.step(REST, command, pressures(1, 100e3), STILL, p, PERIOD)
-    assert state.loads[1] == pytest.approx(100e3)
+    assert state.load.loads[1] == pytest.approx(100e3)
     state, _ = valve_driver.step(state, command, UNSEEN, STILL, p, PERIOD)
-    assert state.loads == REST.loads
-    assert not state.primed
+    assert state.load.loads == REST.load.loads
+    assert not state.load.primed
 
 
 def test_first_pressures_count_whole_and_later_ones_pass_the_low_pass():
     p, command = parameters(load_bandwidth=2.0), ZERO_COMMAND
     state, _ = valve_driver.step(REST, command, pressures(2, 50e3), STILL, p, PERIOD)
-    assert state.loads == pytest.approx((0.0, 0.0, 50e3), abs=1e-6)
+    assert state.load.loads == pytest.approx((0.0, 0.0, 50e3), abs=1e-6)
     for k in range(1, 101):
         state, _ = valve_driver.step(state, command, pressures(2, 90e3), STILL, p, PERIOD)
         expected = 90e3 - 40e3 * math.exp(-2.0 * math.pi * 2.0 * k * PERIOD)
-        assert state.loads[2] == pytest.approx(expected, rel=1e-9)
+        assert state.load.loads[2] == pytest.approx(expected, rel=1e-9)
 
 
 @every_axis
@@ -232,9 +233,9 @@ def test_a_load_sensing_pump_at_rest_is_believed_and_one_that_is_off_is_not():
     idle = loader.pump.margin
     assert p.idle_pressure == idle < 0.25 * loader.pump.supply_pressure
     resting = Pressures((5e5,) * 3, (5e5,) * 3, idle)
-    assert valve_driver.plausible(resting, p)
-    assert valve_driver.plausible(resting._replace(supply=loader.pump.supply_pressure), p)
-    assert not valve_driver.plausible(resting._replace(supply=0.1 * idle), p)
+    assert load_estimate.plausible(resting, p)
+    assert load_estimate.plausible(resting._replace(supply=loader.pump.supply_pressure), p)
+    assert not load_estimate.plausible(resting._replace(supply=0.1 * idle), p)
 
 
 def test_without_pressures_a_load_sensing_pump_is_taken_to_be_at_rest():

@@ -8,7 +8,8 @@ pytest.importorskip("rclpy")
 
 from clock_by_hand import HandClock
 
-from forest_control.valve.valve_driver import REST, STILL, UNSEEN, Pressures
+from forest_control.valve.load_estimate import STILL, UNSEEN, Pressures
+from forest_control.valve.valve_driver import REST
 from forest_control.valve.valve_driver_topics import Measurements, of_pressures
 from forest_msgs_py.interfaces import topics
 from forest_msgs_py.interfaces.messages import float_array, joint_state
@@ -71,7 +72,10 @@ def test_the_newest_pressures_tell_how_far_the_machine_is_when_a_command_comes_l
 
 
 def test_pressures_that_the_driver_does_not_believe_are_told():
-    read, believed = Pressures((1e6,) * 3, (1e6,) * 3, 20e6), REST._replace(primed=True)
+    read, believed = (
+        Pressures((1e6,) * 3, (1e6,) * 3, 20e6),
+        REST._replace(load=REST.load._replace(primed=True)),
+    )
     assert of_pressures("", read, believed) == of_pressures("", UNSEEN, REST) == ""
     assert of_pressures("not finite", UNSEEN, REST) == "not finite; the nominal load is taken"
     told = of_pressures("", read, REST)

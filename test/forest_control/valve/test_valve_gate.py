@@ -5,10 +5,11 @@ import math
 import numpy as np
 import pytest
 
-from forest_control.valve import valve_driver, valve_driver_parameters
+from forest_control.valve import load_estimate, valve_driver, valve_driver_parameters
+from forest_control.valve.load_estimate import STILL, UNMEASURED, UNSEEN, LoadEstimate, Motion, Pressures
 from forest_control.valve.spool_model import SpoolLaw
 from forest_control.valve.valve_adaptation import NO_ESTIMATE
-from forest_control.valve.valve_driver import REST, STILL, UNSEEN, Motion, Pressures
+from forest_control.valve.valve_driver import REST
 from forest_control.valve.valve_driver_parameters import Settings
 from forest_control.valve.valve_hold import SHUT
 from forest_description.machine import load_machine
@@ -51,8 +52,8 @@ def test_every_port_s_pressure_is_believed_from_a_little_vacuum_to_half_over_the
     def believed(pressure):
         told = usual._replace(**{port: on_axis(axis, pressure, 4.5e6)})
         state, _ = valve_driver.step(REST, ZERO, told, STILL, p, PERIOD)
-        assert state.primed == valve_driver.plausible(told, p)
-        return state.primed
+        assert state.load.primed == load_estimate.plausible(told, p)
+        return state.load.primed
 
     assert believed(-1e6)
     assert believed(1.5 * p.supply_pressure)
@@ -69,7 +70,7 @@ def test_a_supply_is_believed_from_a_quarter_of_the_idle_to_half_over_the_greate
         *((0.25 * p.idle_pressure, True), (1.5 * p.supply_pressure, True)),
         *((0.249 * p.idle_pressure, False), (1.501 * p.supply_pressure, False), (math.nan, False)),
     ):
-        assert valve_driver.plausible(ports._replace(supply=supply), p) == believed
+        assert load_estimate.plausible(ports._replace(supply=supply), p) == believed
 
 
 @pytest.mark.parametrize("port", [1, 2])
@@ -87,7 +88,7 @@ def test_both_ends_of_a_swing_s_hose_must_agree(port, axis, apart, believed):
     }
     motion = STILL._replace(positions=(0.1, 2.0, 2.0), **ends)
     state, _ = valve_driver.step(REST, ZERO, told, motion, p, PERIOD)
-    assert state.primed == believed
+    assert state.load.primed == believed
 
 
 # --- each axis by its own numbers -----------------------------------------------------------------
@@ -127,36 +128,37 @@ def test_loads_and_mean_pressures_are_those_of_their_own_ports_behind_their_low_
         return 0.5 * (ports[0] + ports[1] * area.displacement_2 / area.displacement_1)
 
     state, _ = valve_driver.step(REST, ZERO, told(before), STILL, p, PERIOD)
-    assert state.loads[axis] == pytest.approx(load(before))
-    assert state.means[axis] == pytest.approx(mean(before))
+    assert state.load.loads[axis] == pytest.approx(load(before))
+    assert state.load.means[axis] == pytest.approx(mean(before))
     for _ in range(11):
         state, _ = valve_driver.step(state, ZERO, told(after), STILL, p, PERIOD)
     left, filling, borne = (math.exp(-rate * 11 * PERIOD) for rate in (2.0 * math.pi, 60.0, 0.4))
-    assert state.loads[axis] == pytest.approx(load(after) + left * (load(before) - load(after)))
-    assert state.means[axis] == pytest.approx(mean(after) + filling * (mean(before) - mean(after)))
+    assert state.load.loads[axis] == pytest.approx(load(after) + left * (load(before) - load(after)))
+    assert state.load.means[axis] == pytest.approx(mean(after) + filling * (mean(before) - mean(after)))
     if axis == 0:
         weights = [1.0 - math.exp(-2.0 * math.pi * PERIOD * k) for k in range(1, 12)]
         slow = load(before)
         for weight in weights:
             swing = load(before) + weight * (load(after) - load(before))
             slow += (1.0 - math.exp(-0.4 * PERIOD)) * (swing - slow)
-        assert state.borne == pytest.approx(slow)
+        assert state.load.borne == pytest.approx(slow)
         assert abs(slow - load(before)) < (1.0 - borne) * abs(load(after) - load(before))
     state, _ = valve_driver.step(state, ZERO, UNSEEN, STILL, p, PERIOD)
-    assert (state.loads, state.means, state.borne, state.primed) == (ZERO, ZERO, 0.0, False)
+    assert state.load == UNMEASURED
 
 
 def test_a_driver_that_begins_has_given_moved_and_borne_nothing():
     for three in (
-        REST.loads,
-        REST.means,
+        REST.load.loads,
+        REST.load.means,
+        REST.load.rocking,
         REST.spools,
         REST.strokes,
         REST.voltages,
     ):
         assert three == ZERO
-    assert (REST.ahead, REST.borne, REST.phase) == (0.0, 0.0, 0.0)
-    assert not any((REST.primed, *REST.saturated))
+    assert (REST.ahead, REST.load.borne, REST.phase) == (0.0, 0.0, 0.0)
+    assert not any((REST.load.primed, *REST.saturated))
 
 
 def test_where_the_spools_are_and_were_on_average_follows_from_the_voltages_in_force():
@@ -278,7 +280,8 @@ def held(load, borne, command=1e-9, p=None, **state):
     p = p or parameters()
     push = 0.5 * load / p.axes[0].displacement_1
     told = Pressures((8e6 + push, 5e6, 5e6), (8e6 - push, 5e6, 5e6), p.supply_pressure)
-    before = REST._replace(primed=True, loads=(load, 0.0, 0.0), borne=borne, means=(8e6,) * 3, **state)
+    bears = LoadEstimate((load, 0.0, 0.0), True, means=(8e6,) * 3, borne=borne)
+    before = REST._replace(load=bears, **state)
     return valve_driver.step(before, on_axis(0, command), told, STILL, p, PERIOD)[1][0]
 
 
@@ -298,10 +301,10 @@ def test_what_the_swing_bears_at_rest_is_fed_while_it_is_held_and_a_load_that_co
 def test_friction_of_a_swing_that_turns_is_no_load_at_rest(sign):
     """Steadily turning, it lags behind its low-pass by its rate over the corner."""
     axis, rate = parameters().axes[0], sign * 0.05
-    state = REST._replace(borne=axis.damping * rate + sign * 2e3, place=1.0)
-    assert valve_driver._borne_at_rest(state, 1.0 + rate / 0.4, axis) == pytest.approx(sign * 2e3)
+    load = LoadEstimate(borne=axis.damping * rate + sign * 2e3, place=1.0)
+    assert load_estimate.borne_at_rest(load, 1.0 + rate / 0.4, axis) == pytest.approx(sign * 2e3)
     for place, position in ((math.nan, 1.0), (1.0, math.nan)):  # not measured
-        assert valve_driver._borne_at_rest(state._replace(place=place), position, axis) == state.borne
+        assert load_estimate.borne_at_rest(load._replace(place=place), position, axis) == load.borne
 
 
 def test_the_swings_place_is_low_passed_while_it_is_measured():
@@ -313,11 +316,11 @@ def test_the_swings_place_is_low_passed_while_it_is_measured():
         )[0]
 
     state = after(REST, 0.5)
-    assert state.place == 0.5
+    assert state.load.place == 0.5
     state = after(state, 1.5)
-    assert state.place == pytest.approx(0.5 + 1.0 - math.exp(-0.4 * PERIOD))
-    assert math.isinf(after(state, math.nan).place)
-    assert math.isinf(after(state, 1.5, UNSEEN).place)
+    assert state.load.place == pytest.approx(0.5 + 1.0 - math.exp(-0.4 * PERIOD))
+    assert math.isinf(after(state, math.nan).load.place)
+    assert math.isinf(after(state, 1.5, UNSEEN).load.place)
 
 
 def test_what_dry_friction_bears_is_not_fed():

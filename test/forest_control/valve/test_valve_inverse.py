@@ -7,7 +7,8 @@ import pytest
 from unlike_ways import with_unlike_ways
 
 from forest_control.valve import valve_driver, valve_driver_parameters
-from forest_control.valve.valve_driver import REST, STILL, UNSEEN
+from forest_control.valve.load_estimate import STILL, UNSEEN
+from forest_control.valve.valve_driver import REST
 from forest_control.valve.valve_driver_parameters import Settings
 from forest_control.valve.valve_inverse import (
     LEAST_DROP,

@@ -101,7 +101,7 @@ def test_a_table_of_constants_is_sorted_by_effect_and_tells_it_in_words(tmp_path
 
 def test_what_chance_does_is_no_effect(tmp_path, monkeypatch):
     def figures(changes):
-        filling = changes.get("valve.valve_driver.FILLING")
+        filling = changes.get("valve.load_estimate.FILLING")
         return {**USUAL, "rest, 1.1, mm": 9.0 if filling else 8.0 if changes else 5.0}
 
     monkeypatch.setattr(ablation_command, "tried", answers(figures))

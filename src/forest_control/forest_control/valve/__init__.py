@@ -1,7 +1,8 @@
 """The valve driver: deadband, gain, hysteresis and pressure drop compensated; deadband and gain adapted.
 
 - `command_gate`: Whether a command reaches the valves.
-- `valve_driver`: The step: pressures, adaptation, hold, inverse; dither against hysteresis.
+- `load_estimate`: Which pressures are believed, and the loads and mean pressures by them.
+- `valve_driver`: The step: load, adaptation, hold, inverse; dither against hysteresis.
 - `valve_inverse`: From an actuator speed to a voltage: deadband, valve curve, pressure drop.
 - `inlet_oil`: Behind a compensator: oil that must be pressed before the actuator moves.
 - `load_feedback`: Behind a compensator: a valve that gives way to a load that rocks.

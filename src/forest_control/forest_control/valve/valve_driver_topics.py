@@ -7,8 +7,9 @@ from typing import Any
 
 from forest_control.valve import valve_adaptation as adaptation
 from forest_control.valve.command_gate import Command
+from forest_control.valve.load_estimate import STILL, UNSEEN, Motion, Pressures
 from forest_control.valve.tracking_limit import STATUS_EVERY
-from forest_control.valve.valve_driver import STILL, UNSEEN, Motion, Pressures, State
+from forest_control.valve.valve_driver import State
 from forest_control.valve.valve_driver_parameters import Parameters
 from forest_description.machine import Machine
 from forest_description.types import Vec3
@@ -37,7 +38,7 @@ def of_pressures(problem: str, pressures: Pressures, state: State) -> str:
         pressures: that were read.
         state: the driver's, after its step with them.
     """
-    if not problem and pressures is not UNSEEN and not state.primed:
+    if not problem and pressures is not UNSEEN and not state.load.primed:
         problem = "a pressure is out of its range, or both ends of a swing's hose differ; allowed: true ones"
     return problem and f"{problem}; the nominal load is taken"
 

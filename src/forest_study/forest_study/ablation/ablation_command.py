@@ -5,7 +5,7 @@ import itertools
 import math
 from typing import Any
 
-from forest_control.valve.valve_driver import FILLING
+from forest_control.valve.load_estimate import FILLING
 from forest_description.machine import load_machine
 from forest_msgs_py.runtime.command_line import add_machine_option, number, whole
 from forest_study.ablation import effects
@@ -26,7 +26,7 @@ MECHANISMS: dict[str, Changes] = {
 }
 FACTORS = (0.5, 2.0)
 OF_MECHANISMS = ("paths", "slow")
-BYSTANDER, CHANCES = "valve.valve_driver.FILLING", 4  # what is changed by millionths, and how often
+BYSTANDER, CHANCES = "valve.load_estimate.FILLING", 4  # what is changed by millionths, and how often
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:

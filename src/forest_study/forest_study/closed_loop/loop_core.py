@@ -31,7 +31,7 @@ from forest_control.safety.motion_permission import (
     reset_sensor_watch,
     updated_joystick,
 )
-from forest_control.valve import valve_driver, valve_driver_parameters
+from forest_control.valve import load_estimate, valve_driver, valve_driver_parameters
 from forest_control.valve.tracking_limit import learnt_opening_ratio
 from forest_description.geometry.kinematics import Links, tip_position
 from forest_description.types import ZERO, Vec3
@@ -212,11 +212,11 @@ def sample(levers: Levers, held: bool, row: int) -> Sample:
 
 def driver_inputs(
     seen: Measurement, idle_pressure: float
-) -> tuple[valve_driver.Pressures, valve_driver.Motion]:
+) -> tuple[load_estimate.Pressures, load_estimate.Motion]:
     """Return what the driver gets; the idle supply [Pa] where the supply is not read."""
     at, supply = seen.pressures, idle_pressure if math.isnan(seen.supply_pressure) else seen.supply_pressure
-    pressures = valve_driver.Pressures((at[1], at[5], at[9]), (at[3], at[7], at[11]), supply)
-    motion = valve_driver.Motion(
+    pressures = load_estimate.Pressures((at[1], at[5], at[9]), (at[3], at[7], at[11]), supply)
+    motion = load_estimate.Motion(
         positions=seen.actuators.position, valve_1=(at[0], at[4], at[8]), valve_2=(at[2], at[6], at[10])
     )
     return pressures, motion
