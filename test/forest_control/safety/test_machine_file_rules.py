@@ -10,7 +10,7 @@ from forest_control.limits.load_weighing import UNREAD as NO_PRESSURES
 from forest_control.safety import machine_answers, machine_file_check
 from forest_control.safety.machine_answers import NO_ANSWERS, Answers
 from forest_control.safety.machine_file_check import PROVEN, STRANGE, FileCheck, is_wrong, objection, watched
-from forest_control.safety.overloaded_joint import LONG, WAY, Overload, commanded_rates
+from forest_control.safety.overloaded_joint import Overload, commanded_rates
 from forest_control.servo.joint_angle_filter import UNREAD
 from forest_description.geometry.linkage import cylinder_length
 from forest_description.machine import load_machine
@@ -88,7 +88,7 @@ def test_a_joint_that_has_proven_right_is_not_asked_again(joint, side):
 
 
 def test_a_joint_that_sinks_before_it_has_proven_right_is_the_file_s():
-    overload = Overload((0.0, 2.0 * WAY, 0.0), (0.0, 2.0 * LONG[1], 0.0))
+    overload = Overload(products=(0.0, -1.0, 0.0))
     up = (0.0, 3.0, 0.0)
     assert after(FileCheck(), PERIOD, command=up, overload=overload).wrong == machine_file_check.POLARITY + 1
     assert not is_wrong(after(FileCheck(), PERIOD, overload=overload))  # others have the valves
@@ -206,7 +206,7 @@ def test_a_joint_has_proven_right_after_15_mrad_and_is_wrong_after_as_many_the_o
 
 @every_joint
 def test_only_a_joint_that_was_asked_and_has_not_proven_right_is_wrong_by_going_back(joint):
-    back = Overload(ways=at(joint, 1.0), times=at(joint, 1.0))
+    back = Overload(products=at(joint, -1.0))
     assert look(FileCheck(ways=at(joint, 0.0149)), overload=back).wrong == 3 + joint
     assert not is_wrong(look(FileCheck(ways=at(joint, 0.015)), overload=back))
     assert not is_wrong(look(u=at(joint, 0.0, 0.2), overload=back))
@@ -224,7 +224,7 @@ def test_only_a_joint_that_was_asked_and_has_not_proven_right_is_wrong_by_going_
     ],
 )
 def test_a_pressure_of_nine_tenths_of_the_pump_s_excuses_the_boom_alone(volts, pressures, joint, wrong):
-    back = Overload(ways=at(joint, 1.0), times=at(joint, 1.0))
+    back = Overload(products=at(joint, -1.0))
     told = tuple(share * UNLIKE.speed_limits.supply_pressure for share in pressures)
     assert is_wrong(look(overload=back, voltages=(5.0, volts, 5.0), pressures=told)) == wrong
 

@@ -312,7 +312,7 @@ def test_a_load_that_drives_a_joint_back_stops_the_crane_until_the_deadman_was_l
     decision, after = rig.until(Verdict.STOP, 0.2)
     assert 0.1 < after < 0.15
     assert (decision.cause, decision.believed, decision.overloaded) == (Cause.OVERLOAD, True, True)
-    assert rig.guard.causes["machine"].startswith("overload: boom went back by")
+    assert rig.guard.causes["machine"].startswith("overload: boom went back ")
     rig.rates, rig.volts, rig.command, rig.levers = ZERO, ZERO, ZERO, REST
     for _ in range(100):  # centred levers alone, as in taught work, are no act of a person
         waiting = rig.once()

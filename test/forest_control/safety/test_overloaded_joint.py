@@ -93,7 +93,7 @@ def test_a_boom_that_its_load_drives_back_is_seen_within_0_3_s_named_and_its_val
             sinks = k
         if seen is None and crane.cause:
             seen = k
-            assert crane.cause.startswith("overload: boom went back by")
+            assert crane.cause.startswith("overload: boom went back ")
     assert (seen - sinks) * PERIOD < 0.3
     assert crane.limit == Limit.OVERLOAD
     assert crane.volts == ZERO
@@ -193,5 +193,5 @@ def test_whenever_the_valves_cable_comes_back_the_tip_is_not_thrown(name, seed, 
         over.append(crane.drive(wish if k >= 100 else ZERO) - bound)
     assert max(over[back:]) < most
     if lost[0] > 1.0:
-        assert "stands though its valve is open" in crane.cause
+        assert "though its valve is open" in crane.cause
         assert crane.volts == ZERO

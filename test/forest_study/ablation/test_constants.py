@@ -31,7 +31,7 @@ from forest_control.servo import coordinated_servo, schemes
 changed({"servo.schemes.ERROR_LAG": 0.2})
 row = at_runtime()
 print(row[schemes.ERROR_LAG.place], row[coordinated_servo.ERROR_LAG.place], schemes.ERROR_LAG)
-print(*(row[time.place] for time in overloaded_joint.LONG), type(coordinated_servo.MOST_SAMPLES).__name__)
+print(*(row[time.place] for time in overloaded_joint.TOGETHER), type(coordinated_servo.MOST_SAMPLES).__name__)
 """
 
 
@@ -47,7 +47,7 @@ def test_what_was_kept_of_a_computation_is_forgotten_when_a_constant_changes():
 
 def test_a_kernel_reads_changed_constants_when_it_runs():
     done = subprocess.run([sys.executable, "-c", AT_RUNTIME], capture_output=True, text=True, check=True)
-    assert done.stdout.split() == ["0.2", "0.2", "0.2", "0.5", "0.1", "0.1", "int"]
+    assert done.stdout.split() == ["0.2", "0.2", "0.2", "0.4", "0.3", "0.3", "int"]
 
 
 def test_constants_of_a_room_and_settings_of_a_node_are_found():

@@ -35,7 +35,7 @@ from forest_control.config.controller_settings import Parameters
 from forest_control.limits.load_weighing import Pressures
 from forest_control.safety import machine_answers, overloaded_joint
 from forest_control.safety.machine_answers import FASTEST, NO_ANSWERS, Answers
-from forest_control.safety.overloaded_joint import Overload, is_fed, opens
+from forest_control.safety.overloaded_joint import BORNE, Overload, is_fed, opens
 from forest_control.servo.joint_angle_filter import FARTHEST, Lengths
 from forest_description.geometry.linkage import angle_at
 from forest_description.types import AXES, ZERO, Vec3
@@ -43,7 +43,6 @@ from forest_description.types import AXES, ZERO, Vec3
 PROVEN = 0.015  # [rad] way after which a joint goes where it is commanded, 0.1 m of the tip at 6 m; chosen
 COMMANDED = 0.01  # [rad/s] of u, from which a way counts: less feeds leakage, or holds what rocks
 MISFIT = 0.03  # [rad] between length and angle: thrice what sensors' static errors give; chosen
-BORNE = 0.9  # [1] of the pump's pressure in the side that is fed, from which a load presses the boom back
 STRANGE = 0.3  # [s] for which lengths may not fit: samples of different moments, while nothing moves yet
 FITS, BOOM, STICK, POLARITY = 0, 1, 2, 3  # [1] of `wrong`: what is; 3, 4, 5: of swing, boom, stick
 GAIN, LIGHT = 6, 9  # [1] of `wrong`, by `machine_answers`; 6, 7, 8: of swing, boom, stick
@@ -88,7 +87,7 @@ def watched(
     """
     if before.wrong >= POLARITY or (before.wrong != FITS and not before.fitted):
         return before
-    loaded = (pressures[0] if voltages[1] > 0.0 else pressures[1]) > BORNE * p.speed_limits.supply_pressure
+    loaded = overloaded_joint.borne(voltages, pressures, p) > BORNE
     u = _opened_for(asked, voltages, loaded, p)
     sides = _side(before.sides[0], u[0]), _side(before.sides[1], u[1]), _side(before.sides[2], u[2])
     ways = (

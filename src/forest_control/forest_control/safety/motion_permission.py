@@ -299,7 +299,9 @@ def updated_checks(
     if not guard.noise_free:
         still = frozen_sensor.watched(before.still, state.angles, command, p, dt)
     u = overloaded_joint.commanded_rates(state.angles, command, p)
-    overload = overloaded_joint.watched(before.overload, u, state.rates, driver.voltages, p, dt)
+    overload = overloaded_joint.watched(
+        before.overload, u, state.rates, driver.voltages, state.boom_pressures, p, dt
+    )
     gone = before.runaway
     if driver.received > -math.inf:  # of a driver that has never spoken no valve is known to be shut
         gone = runaway.watched(before.runaway, state.rates, driver.voltages, p, dt)

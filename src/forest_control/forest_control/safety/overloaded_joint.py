@@ -1,4 +1,4 @@
-"""Whether a joint goes back, or stands, although its valve is open.
+"""Whether a joint goes against its commands, or stands, although its valve is open.
 
 A joint that goes back bears more than its actuator can. An open valve does not hold such a load, it lets its
 oil back to the pump; a shut one bears as much as its relief valve. A joint that stands is held by its load or
@@ -9,9 +9,17 @@ valve throws the tip. So the valves are shut, and a person must want to move aga
 |---|---|---|
 | V | voltage of the joint's valve, as the driver says | V |
 | u, v | commanded and measured joint rate | rad/s |
-| way | what the joint has gone against its open valve, integral of abs v | rad |
+| w | u behind a low-pass of `OIL` and the spool's lag; 0: the valve is shut | rad/s |
+| product | mean of w v over `TOGETHER` | rad^2/s^2 |
 | owed | what it has not gone with it: integral of abs u - abs v / `ANSWERS`, of low-passed u and v | rad |
 | since | how long it has owed something | s |
+
+A joint that rocks on its oil is almost half a period behind its command, and w up to a quarter: so w and v
+agree. Behind a valve that is wired the other way they do not, whether the joint rocks or goes.
+
+A boom that bears as much as the pump does sinks while a person puts its load down, and a servo that would
+have it slower opens the valve against that. So there only a valve that is wide open counts; and where no
+pressure is measured.
 
 Times begin once the pump may have built up its pressure: a load-sensing one takes its time from when a valve
 opens, and a load moves its joint back meanwhile.
@@ -23,12 +31,15 @@ import math
 from typing import NamedTuple
 
 from forest_control.config.controller_settings import Parameters
+from forest_control.limits.load_weighing import Pressures
 from forest_description.derived.actuator_kinematics import actuator_speeds_to_joint_rates
 from forest_description.types import AXES, ZERO, Vec3
 
-WAY = 0.005  # [rad] 30 mm of the tip at 6 m; a joint that turns round under a lagging valve goes less
-LONG = (0.5, 0.1, 0.1)  # [s] in which oil turns a joint round; a swing rocks slowly on its hoses
-OPEN = 0.4  # [1] of the way from the overlap's edge to the rated voltage: small openings are leakage's
+OIL = 0.05  # [s] of w: up to a quarter of a period late where a joint rocks, from 3 Hz on
+TOGETHER = (0.4, 0.3, 0.3)  # [s] of the means: joints rock on their oil, and loads that slip throw them
+AGAINST = (2e-3, 1e-3, 2e-3)  # [rad^2/s^2] of the mean of -w v; a log that sways gave a swing 1e-3
+BORNE = 0.9  # [1] of the pump's pressure in the side that is fed, from which a load presses the boom back
+WIDE = 0.4  # [1] of the way from the overlap's edge to the rated voltage, from which it counts all the same
 OWED = 0.03  # [rad] twice what a joint owes that goes: 0.014 of the forwarder's swing, 0.011 in the matrix
 OWED_LAG = 0.1  # [s] of both low-passes: what rocks at 4 Hz on its oil is no answer, what trembles no command
 ANSWERS = 0.1  # [1] of u, at which a joint owes no more
@@ -38,8 +49,8 @@ STARTS = 0.3  # [s] a joint may owe more at a step of its lever: spool and oil t
 class Overload(NamedTuple):
     """Of swing, boom, stick, since each last went with its valve, or had it shut."""
 
-    ways: Vec3 = ZERO  # [rad]
-    times: Vec3 = ZERO  # [s] for which the valve has been as open as its voltage
+    asked: Vec3 = ZERO  # w [rad/s]
+    products: Vec3 = ZERO  # [rad^2/s^2]
     owed: Vec3 = ZERO  # [rad]
     since: Vec3 = ZERO  # [s]
     gone: Vec3 = ZERO  # v, low-passed [rad/s]
@@ -63,7 +74,20 @@ def opens(voltage: float, i: int, p: Parameters) -> bool:
     return -law.backward.deadband_voltage > voltage or voltage > law.forward.deadband_voltage
 
 
-def watched(before: Overload, u: Vec3, rates: Vec3, voltages: Vec3, p: Parameters, dt: float) -> Overload:
+def borne(voltages: Vec3, pressures: Pressures, p: Parameters) -> float:
+    """Return the pressure of the boom's side that is fed, in the pump's [1]; NaN: it is not measured."""
+    return (pressures[0] if voltages[1] > 0.0 else pressures[1]) / p.speed_limits.supply_pressure
+
+
+def watched(
+    before: Overload,
+    u: Vec3,
+    rates: Vec3,
+    voltages: Vec3,
+    pressures: Pressures,
+    p: Parameters,
+    dt: float,
+) -> Overload:
     """Return what joints have gone against their valves, or not with them, after a sample.
 
     Args:
@@ -71,6 +95,7 @@ def watched(before: Overload, u: Vec3, rates: Vec3, voltages: Vec3, p: Parameter
         u: commanded joint rates [rad/s].
         rates: measured joint rates [rad/s].
         voltages: of the valves since the last sample [V].
+        pressures: in the boom's cylinder, head and rod side [Pa]; NaN: not measured.
         p: the controller's parameters.
         dt: since the last sample [s].
     """
@@ -91,10 +116,18 @@ def watched(before: Overload, u: Vec3, rates: Vec3, voltages: Vec3, p: Parameter
         _later(before, owed, 1, p, dt),
         _later(before, owed, 2, p, dt),
     )
-    way_1, time_1 = _gone_back(before, rates, voltages, 0, p, dt)
-    way_2, time_2 = _gone_back(before, rates, voltages, 1, p, dt)
-    way_3, time_3 = _gone_back(before, rates, voltages, 2, p, dt)
-    return Overload((way_1, way_2, way_3), (time_1, time_2, time_3), owed, since, gone, told, opened)
+    counts = _is_wide(voltages[1], p) or borne(voltages, pressures, p) <= BORNE
+    asked = (
+        _asked(before, u, voltages, 0, p, dt),
+        _asked(before, u, voltages, 1, p, dt),
+        _asked(before, u, voltages, 2, p, dt),
+    )
+    products = (
+        _product(before, asked, rates, is_fed(before, 0, p), 0, dt),
+        _product(before, asked, rates, counts and is_fed(before, 1, p), 1, dt),
+        _product(before, asked, rates, is_fed(before, 2, p), 2, dt),
+    )
+    return Overload(asked, products, owed, since, gone, told, opened)
 
 
 def _opened(before: Overload, voltages: Vec3, i: int, p: Parameters, dt: float) -> float:
@@ -137,46 +170,50 @@ def _later(before: Overload, owed: Vec3, i: int, p: Parameters, dt: float) -> fl
     return begun + dt if is_fed(before, i, p) else begun
 
 
-def _gone_back(
-    before: Overload, rates: Vec3, voltages: Vec3, i: int, p: Parameters, dt: float
-) -> tuple[float, float]:
-    """Return way [rad] and time [s] that one joint has gone against its valve."""
-    axis = p.speed_limits.axes[i]
-    law = axis.valve
-    edge = law.forward.deadband_voltage if voltages[i] > 0.0 else law.backward.deadband_voltage
-    is_open = abs(voltages[i]) > edge + OPEN * (p.rated_voltages[i] - edge)
-    if not is_open or voltages[i] * rates[i] >= 0.0:
-        return 0.0, 0.0
-    # A spool that lags opens by and by: its time begins below zero.
-    time = before.times[i] if before.ways[i] > 0.0 else -axis.spool.lag
-    return before.ways[i] + abs(rates[i]) * dt, time + dt if is_fed(before, i, p) else time
+def _is_wide(voltage: float, p: Parameters) -> bool:
+    """Tell whether a voltage [V] opens the boom's valve wide."""
+    law = p.speed_limits.axes[1].valve
+    edge = law.forward.deadband_voltage if voltage > 0.0 else law.backward.deadband_voltage
+    return abs(voltage) > edge + WIDE * (p.rated_voltages[1] - edge)
+
+
+def _asked(before: Overload, u: Vec3, voltages: Vec3, i: int, p: Parameters, dt: float) -> float:
+    """Return w of one joint [rad/s]."""
+    now = u[i] if opens(voltages[i], i, p) else 0.0
+    weight = 1.0 - math.exp(-dt / (OIL + p.speed_limits.axes[i].spool.lag))
+    return before.asked[i] + weight * (now - before.asked[i])
+
+
+def _product(before: Overload, asked: Vec3, rates: Vec3, counts: bool, i: int, dt: float) -> float:
+    """Return the mean product of one joint [rad^2/s^2]."""
+    now = asked[i] * rates[i] if counts else 0.0
+    return before.products[i] + (1.0 - math.exp(-dt / TOGETHER[i])) * (now - before.products[i])
 
 
 def is_overloaded(overload: Overload) -> bool:
-    """Tell whether a joint goes back or stands; `objection` says which."""
+    """Tell whether a joint goes against its commands or stands; `objection` says which."""
     return _refuses(overload, 0) or _refuses(overload, 1) or _refuses(overload, 2)
 
 
 def _refuses(overload: Overload, i: int) -> bool:
-    """Tell whether one joint goes back, or stands; one that pays what it owes has only started late."""
+    """Tell whether one joint goes back or stands; one that pays what it owes has only started late."""
     told = overload.told[i]
     pays = overload.gone[i] * told > ANSWERS * told * told
     return goes_back(overload, i) or (overload.owed[i] > OWED and overload.since[i] > STARTS and not pays)
 
 
 def goes_back(overload: Overload, i: int) -> bool:
-    """Tell whether one joint is driven back."""
-    return overload.ways[i] > WAY and overload.times[i] > LONG[i]
+    """Tell whether one joint goes against its commands: a load drives it, or its valve is reversed."""
+    return overload.products[i] < -AGAINST[i]
 
 
 def objection(overload: Overload) -> str:
     """Return which joint its load drives back or holds, or ""."""
     for i, name in enumerate(AXES):
         if goes_back(overload, i):
-            way, time = overload.ways[i], overload.times[i]
             return (
-                f"overload: {name} went back by {way:.3f} rad in {time:.2f} s though its valve is open;"
-                f" allowed: put the load down, or draw it in"
+                f"overload: {name} went back though its valve is open; allowed: put the load down, draw it"
+                f" in, or check sensor, valve and its cable"
             )
         if _refuses(overload, i):
             return (

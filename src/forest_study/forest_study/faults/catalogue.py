@@ -253,9 +253,9 @@ SENSORS = {
     ),
     "resolver counts back": Fault(
         "one counts the other way",
-        "The servo drives away from its reference until a joint goes back under a wide open valve. That takes"
-        " 0.1 to 1.5 s at 0.5 m/s. Slower, or in a taught cycle, it goes on: gap.",
-        same(Bound(speed=4.5, again=False), DRIVEN, MOTION=Bound(zero=1.8, again=False))
+        "The servo drives away from its reference until the joint has gone against its commands for some"
+        " tenths of a second. At a limit, or where it is hardly asked to move, it may not be named: gap.",
+        same(Bound(speed=1.5, again=False), DRIVEN, MOTION=Bound(zero=1.0, again=False))
         | {State.EXPERIMENT: Bound(again=False)},
         seen=wires.reversed_axis,
     ),
@@ -338,8 +338,8 @@ VALVES = {
     ),
     "valve wired the other way": Fault(
         "one, in motion",
-        "As a resolver that counts back. A swing that goes to and fro on its oil is not named: gap.",
-        same(Bound(speed=4.5, again=False), DRIVEN) | {State.EXPERIMENT: Bound(again=False)},
+        "As a resolver that counts back; also a swing that goes to and fro on its oil.",
+        same(Bound(speed=2.5, again=False), DRIVEN) | {State.EXPERIMENT: Bound(again=False)},
         volts=wires.crossed_valves,
     ),
     "valves' cable cut": Fault(
