@@ -32,6 +32,19 @@ def test_a_session_of_the_coverage_run_is_near_its_truth():
     assert all(math.isfinite(z) and abs(z) < 4.0 for z in away.values())
 
 
+@pytest.mark.parametrize(
+    ("seed", "names", "why"),
+    [
+        (344, ("valve",), "next to shut a difference of 1 % is no derivative"),
+        (359, ("valve", "hose"), "the flow turns round between two rows"),
+    ],
+)
+def test_a_valve_next_to_shut_feigns_no_knowledge(seed, names, why):
+    away, doubts = benchmark.trial(seed, names)
+    assert max(map(abs, away.values())) < 3.0, why
+    assert not doubts
+
+
 def test_a_count_goes_on_where_it_was_stopped(tmp_path):
     file, one = tmp_path / "coverage.json", {"away": {"a": 1.0}, "cpu_s": 2.0, "source": "x"}
     file.write_text(json.dumps({"experiments": ["valve"], "sessions": {"7": one}}))

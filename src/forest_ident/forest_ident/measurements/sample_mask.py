@@ -50,6 +50,7 @@ def while_open(
     """
     flow = session.column("swing_flow")
     shut = np.abs(flow) < max(SHUT_SHARE * float(np.max(np.abs(flow))), AT_FLOOR * floor)
+    shut |= np.diff(np.sign(flow), prepend=0.0) != 0.0  # it may turn round between two rows
     around = round(SHUT_AROUND / session.period)
     shut = np.convolve(shut, np.ones(2 * around + 1), mode="same") > 0.5
     moved = np.diff(session.voltages[:, 0], prepend=0.0) != 0.0

@@ -31,6 +31,7 @@ from forest_ident.refinement.refinement_task import INERTIAS, START, Task, is_pa
 
 UNKNOWN = 0.4  # prior standard deviation of what no experiment has estimated yet: relative, or volts
 BEGUN = 0.1  # standard deviation, as `UNKNOWN`, from which a search begins with a number
+FINE = 1e-5  # difference on a rig, as `UNKNOWN`: nothing sticks there, and a valve next to shut bends much
 SETTLED = 0.25  # [s] after a change of voltage
 START_NOISE = 1e4  # [Pa] by which pressures drift while the mean of the start is taken
 ANGLES = tuple(f"{axis}.angle" for axis in AXES)
@@ -134,9 +135,10 @@ def _unknowns(machine: Machine, session: Session, work: Task, known: GaussianEst
             own=session.on_crane and key in work.carried,
             begun=linear and (session.on_crane or key in work.free) and not _is_known(known, key),
         )
-        coarse = extension_keys.COARSE.get(key.rpartition(".")[2], unknown.difference)
+        usual = FINE if session.on_rig else unknown.difference
+        difference = extension_keys.COARSE.get(key.rpartition(".")[2], usual)
         rounded = extension_keys.rounding({key: unknown.start}).get(key, 0.0)
-        found.append(unknown._replace(difference=coarse, rounded=rounded))
+        found.append(unknown._replace(difference=difference, rounded=rounded))
     if "rig.load" in work.nuisances:
         found.append(Unknown(f"rig.load.{session.name}", _load(session), math.inf, begun=True))
     for name in () if session.is_exact else work.nuisances:
