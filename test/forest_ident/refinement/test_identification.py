@@ -16,6 +16,7 @@ from forest_ident.refinement.refinement_task import Task
 from forest_ident.refinement.result import unidentified
 from forest_ident.report import machine_writer
 from forest_ident.validation import prediction_error
+from forest_ident.validation.verdict import verdict
 
 
 @pytest.fixture(scope="module")
@@ -94,6 +95,23 @@ def test_data_that_cannot_tell_say_so_and_which_motion_would():
     alike = e._replace(standard_error=1e5, condition=1e7)
     assert "told apart" in alike.checked().warning
     assert e._replace(standard_error=1e5).checked().warning == ""
+
+
+def test_a_doubt_goes_along_with_what_a_record_carries(monkeypatch, sessions):
+    """The hose's numbers rest on flow meter and valve, the spool's alone on its own sensor."""
+
+    def refined(machine, session, *rest):
+        work, done = refine(machine, session, *rest)
+        return work, done._replace(converged=session.name != "valve")
+
+    refine = refinement.refine
+    monkeypatch.setattr(refinement, "refine", refined)
+    records = [sessions(name) for name in ("valve", "hose", "motor_internal")]
+    doubts = verdict(identify(load_machine("c180_hoses"), records)).doubts
+    for key in ("turbulent_resistance", "inertance", "capacitance"):
+        assert "of its variance comes from what is doubtful: the search of valve" in doubts[f"hose.{key}"]
+    assert "valve.minimum_resistance" in doubts
+    assert "swing.internal_leakage_resistance" not in doubts  # what is told of the motor is all its error
 
 
 def told_by_records(monkeypatch, slopes):

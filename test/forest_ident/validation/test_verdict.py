@@ -10,7 +10,7 @@ from forest_ident.output_error.fit_problem import Fit
 from forest_ident.output_error.gaussian_estimate import EMPTY
 from forest_ident.output_error.residual_test import ResidualTest
 from forest_ident.refinement import data_quality
-from forest_ident.refinement.result import Refined, Result
+from forest_ident.refinement.result import Doubt, Refined, Result
 from forest_ident.validation.prediction_error import Signal, over_limit
 from forest_ident.validation.verdict import BUT_FOR, NOT_TRUSTED, TRUSTED, verdict
 
@@ -25,7 +25,14 @@ def result_with(tests=(), **changes):
     estimates = {key: Estimate(key, 0.013, 1e-5, unit_of(key), 1.0, "output error") for key in KEYS}
     estimates[KEYS[0]] = estimates[KEYS[0]]._replace(**changes)
     result = Result(C180, C180, estimates=estimates)
-    result.refined = [Refined(SESSION, FIT, KEYS[:1], list(tests))]
+    return refined(result, FIT, tests)
+
+
+def refined(result, fit, tests=()):
+    """Return the result with a record of that fit."""
+    result.refined = [Refined(SESSION, fit, KEYS[:1], list(tests))]
+    why = data_quality.doubt(SESSION, fit, tests, list(result.stated))
+    result.doubts = [Doubt(why, KEYS[:1], frozenset(KEYS[:1]))] if why else []
     return result
 
 
@@ -103,9 +110,7 @@ def test_a_record_that_contradicts_the_others_is_no_trust():
 
 
 def test_a_search_that_was_broken_off_is_a_doubt_of_what_it_looked_for():
-    result = result_with()
-    result.refined = [r._replace(fit=FIT._replace(converged=False, iterations=20)) for r in result.refined]
-    said = verdict(result)
+    said = verdict(refined(result_with(), FIT._replace(converged=False, iterations=20)))
     assert (said.code, list(said.doubts)) == (BUT_FOR, ["boom.damping"])
     assert "broken off after 20 steps" in said.lines[1]
 
@@ -115,9 +120,7 @@ def test_a_record_that_asks_for_more_than_a_person_may_have_told_wrong_is_a_doub
     result.stated = {"boom.rod_area": 1e-5, "stick.rod_area": 1e-5}
 
     def said(asked):
-        fit = FIT._replace(asked=np.array([0.5, asked]))
-        result.refined = [r._replace(fit=fit) for r in result.refined]
-        return verdict(result)
+        return verdict(refined(result, FIT._replace(asked=np.array([0.5, asked]))))
 
     assert list(said(-12.4).doubts) == ["boom.damping"]
     assert "asks for stick.rod_area 12 standard deviations from what is told" in said(-12.4).lines[1]

@@ -13,7 +13,7 @@ the mean and covariance of its parameters as prior. Its result moves the correla
 """
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -53,6 +53,14 @@ class GaussianEstimate(NamedTuple):
         place = self.names.index(name)
         moves = np.zeros(1) if self.slopes is None else self.slopes[place]
         return math.sqrt(max(float(self.covariance[place, place] + moves @ moves), 0.0))
+
+    def owed(self, name: str, to: Collection[str]) -> float:
+        """Return the share of a name's variance, stated numbers counted, that goes if others were exact."""
+        there = [place for place, other in enumerate(self.names) if other in to]
+        shared = self.covariance[self.names.index(name), there]
+        return (
+            float(shared @ inverse(self.covariance[np.ix_(there, there)]) @ shared) / self.spread(name) ** 2
+        )
 
     def value(self, name: str, positive: bool) -> float:
         """Return the mean of a name as a number; a positive one is kept by its logarithm."""

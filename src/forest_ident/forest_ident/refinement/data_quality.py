@@ -18,6 +18,9 @@ from forest_ident.output_error.fit_problem import FAR, Fit
 from forest_ident.output_error.residual_test import ResidualTest
 
 AGREE = 4  # records of which one alone may be a stranger
+CORRELATED = 0.2  # at the sensor's lag 1
+LEFT = 1.5  # times a sensor's noise: correlated residuals of more are the model's
+ASKED = 5.0  # standard deviations of a stated number: who told it is not that far off
 
 
 def cut_off(session: Session) -> str:
@@ -63,6 +66,34 @@ def not_explained(session: Session, tests: Sequence[ResidualTest]) -> list[str]:
         "computer late?"
     )
     return [remark]
+
+
+def doubt(session: Session, fit: Fit, tests: Sequence[ResidualTest], stated: Sequence[str]) -> str:
+    """Return why what a record found is doubtful, "" if it is not.
+
+    Args:
+        session: that was fitted.
+        fit: of it.
+        tests: of what is left of each channel.
+        stated: names of the stated numbers, in the order in which the fit has them.
+    """
+    if not fit.converged:
+        return f"the search of {session.name} was broken off after {fit.iterations} steps"
+    far, number = max(zip(np.abs(fit.asked).tolist(), stated, strict=False), default=(0.0, ""))
+    if far > ASKED:
+        return (
+            f"what is left of {session.name} asks for {number} {far:.0f} standard deviations from what "
+            "is told: told numbers are wrong, the search ended in a wrong place, or the model lacks "
+            "something; its interval holds none of that"
+        )
+    odd = [t for t in tests if t.times > LEFT and (t.correlation or 0.0) > CORRELATED]
+    if not odd:
+        return ""
+    worst = max(odd, key=lambda test: test.times)
+    return (
+        f"interval widened, residuals of {session.name} are {worst.times:.1f} times the noise of "
+        f"{worst.channel} and correlated ({worst.correlation:.2f})"
+    )
 
 
 def stranger(tests_by_record: Mapping[str, Sequence[ResidualTest]]) -> str:

@@ -45,12 +45,14 @@ from forest_ident.refinement import (
     stated_numbers,
 )
 from forest_ident.refinement.refinement_task import task
-from forest_ident.refinement.result import Refined, Result
+from forest_ident.refinement.result import Doubt, Refined, Result
 from forest_ident.refinement.workload import Workload
 
 HELD_OUT = ("validation", "motion")
 # Standard errors and volts by which an axis' valve must differ to get its own section.
 OWN_VALVE = (4.0, 0.01)
+
+OWED = 0.1  # share of a variance: more of it from what is doubtful is a doubt
 
 Progress = Callable[[str, float], None]
 
@@ -218,6 +220,7 @@ def _refine(result: Result, session: Session, progress: Callable[[], None]) -> N
     explained = data_quality.is_explained(tests)
     result.refined.append(Refined(session, fit, work.free, tests))
     result.remarks += data_quality.not_explained(session, tests)
+    result.doubts += _doubts(result, result.refined[-1], known)
     if session.kind == "deadband" and not _takes_own_valve(result, session.own_axis, known, fit):
         return
     found = [key for key in work.free if not explained or _tells(fit.posterior, known, key)]
@@ -241,6 +244,22 @@ def _refine(result: Result, session: Session, progress: Callable[[], None]) -> N
         posterior = known.taken(posterior.without(*untold), found)
     result.known = posterior if explained else known.without(*work.free)
     _update(result)
+
+
+def _doubts(result: Result, record: Refined, known: GaussianEstimate) -> list[Doubt]:
+    """Return the doubts of a record: its own, else what it owes to doubtful ones."""
+    why = data_quality.doubt(record.session, record.fit, record.tests, list(result.stated))
+    if why:
+        new = {name for name in record.fit.posterior.names if name not in known.names}
+        return [Doubt(why, record.free, frozenset({*record.free, *new}))]
+    found = []
+    for key in record.free:
+        for doubt in result.doubts:
+            share = record.fit.posterior.owed(key, doubt.told)
+            if share > OWED:
+                said = f"{100.0 * share:.0f} % of its variance comes from what is doubtful: {doubt.reason}"
+                found.append(Doubt(said, (key,), frozenset({key})))
+    return found
 
 
 def _tells(posterior: GaussianEstimate, known: GaussianEstimate, key: str) -> bool:

@@ -34,6 +34,14 @@ class Refined(NamedTuple):
     tests: list[ResidualTest]
 
 
+class Doubt(NamedTuple):
+    """Why numbers that a record found are doubtful, and all that may be wrong with them."""
+
+    reason: str
+    keys: tuple[str, ...]  # that it found
+    told: frozenset[str]  # these, and what it was the first to tell: errors of sensors, too
+
+
 @dataclass
 class Result:
     """Estimates, fits and remarks of an identification; `machine` changes on the way."""
@@ -44,6 +52,7 @@ class Result:
     linear: list[Estimate] = field(default_factory=list)
     refined: list[Refined] = field(default_factory=list)
     calibration: list[Offset] = field(default_factory=list)
+    doubts: list[Doubt] = field(default_factory=list)
     held_out: list[Session] = field(default_factory=list)
     remarks: list[str] = field(default_factory=list)
     failed: dict[str, tuple[str, ...]] = field(default_factory=dict)

@@ -11,8 +11,6 @@
 from collections.abc import Sequence
 from typing import NamedTuple
 
-import numpy as np
-
 from forest_ident.refinement.result import Result
 from forest_ident.validation.prediction_error import Signal, over_limit
 
@@ -21,9 +19,6 @@ TRUSTED, BUT_FOR, NOT_TRUSTED = 0, 3, 4
 VALIDATION = "validation"
 """The experiment that is there to judge by; other motions that are held out may hold nothing."""
 MOST = 0.5  # of the estimates
-CORRELATED = 0.2  # at the sensor's lag 1
-LEFT = 1.5  # times a sensor's noise: correlated residuals of more are the model's
-ASKED = 5.0  # standard deviations of a stated number: who told it is not that far off
 
 
 class Verdict(NamedTuple):
@@ -80,27 +75,5 @@ def _doubts(result: Result) -> dict[str, str]:
         if e.withheld
     ]
     pairs += [(e.key, e.warning) for e in result.estimates.values() if e.warning]
-    pairs += [
-        (key, f"the search of {r.session.name} was broken off after {r.fit.iterations} steps")
-        for r in result.refined
-        if not r.fit.converged
-        for key in r.free
-    ]
-    for r in result.refined:
-        far, number = max(zip(np.abs(r.fit.asked).tolist(), result.stated, strict=False), default=(0.0, ""))
-        if far > ASKED:
-            said = (
-                f"what is left of {r.session.name} asks for {number} {far:.0f} standard deviations from what "
-                "is told: told numbers are wrong, the search ended in a wrong place, or the model lacks "
-                "something; its interval holds none of that"
-            )
-            pairs += [(key, said) for key in r.free]
-        odd = [t for t in r.tests if t.times > LEFT and (t.correlation or 0.0) > CORRELATED]
-        if odd:
-            worst = max(odd, key=lambda test: test.times)
-            said = (
-                f"interval widened, residuals of {r.session.name} are {worst.times:.1f} times the noise of "
-                f"{worst.channel} and correlated ({worst.correlation:.2f})"
-            )
-            pairs += [(key, said) for key in r.free]
+    pairs += [(key, doubt.reason) for doubt in result.doubts for key in doubt.keys]
     return dict(reversed(pairs))
