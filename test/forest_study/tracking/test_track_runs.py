@@ -5,23 +5,19 @@ import dataclasses
 import json
 import math
 from pathlib import Path
-from typing import NamedTuple
 
 import numpy as np
 import pytest
 
 pytest.importorskip("llvmlite")
 
-from forest_control.config import controller_settings
 from forest_control.servo.schemes import Scheme
 from forest_control.taught.tip_path import polyline
-from forest_control.valve import valve_driver_parameters
 from forest_description.config.parameter import MachineError
 from forest_description.machine import load_machine
 from forest_sim.equations.plant_parameters import parameters_of, plant_parameters
 from forest_study import cli, results
-from forest_study.closed_loop import compiled_loop, model_mismatch
-from forest_study.closed_loop.closed_loop import ClosedLoop
+from forest_study.closed_loop import loop_kernel, model_mismatch
 from forest_study.closed_loop.model_mismatch import Ranges
 from forest_study.closed_loop.path_guide import Hand
 from forest_study.tracking import tracking
@@ -42,46 +38,35 @@ def varied(seed):
     return Variation(tracking.noisy(C180, seed), model_mismatch.draw(seed, Ranges()))
 
 
-class Interpreted(NamedTuple):
-    """What `compiled_loop.prepared` gives, in Python."""
+class Unmade:
+    """The loop's machine code, before anybody made it."""
 
-    loop: ClosedLoop
-    rows: int
+    def ready(self):
+        return None
 
-    def lead(self, places, hand):
-        return compiled_loop.lead_interpreted(self.loop, C180.manipulator.links, places, hand, self.rows)
-
-
-def interpreted(machine, rows, start, control, drive, model, suite, plant, _substeps):
-    believed = (
-        controller_settings.parameters(model, control),
-        valve_driver_parameters.parameters(model, drive),
-    )
-    return Interpreted(ClosedLoop(plant, *believed, start, suite), len(rows))
+    def kernel(self):
+        raise LookupError("made")
 
 
-def test_a_run_has_the_figures_of_the_python_loop(course, monkeypatch):
+def test_a_run_in_machine_code_has_the_figures_of_the_python_loop(course, monkeypatch):
+    """Which takes its place for a few runs, until it is made."""
+    loop_kernel.KERNEL.kernel()
     runs, session = run_many(course, C180, [3], varied, adapt=True)
-    monkeypatch.setattr(tracking.compiled_loop, "prepared", interpreted)
-    python = tracking.follow(
-        course,
-        C180,
-        tracking.noisy(C180, 3),
-        True,
-        model_mismatch.applied(C180, model_mismatch.draw(3, Ranges())),
-    )
-    assert runs[0].total == python.total
-    assert runs[0].laps == python.scores
+    monkeypatch.setattr(loop_kernel, "KERNEL", Unmade())
+    few, python = run_many(course, C180, [3], varied, adapt=True)
+    assert runs == few
+    with pytest.raises(LookupError, match="made"):
+        run_many(course, C180, range(20_001 // len(course.places) + 1), varied)
     np.testing.assert_array_equal(session.moved.tip, python.moved.tip)
     np.testing.assert_array_equal(session.led.levers, python.led.levers)
     np.testing.assert_array_equal(session.led.clock, python.led.clock)
 
 
-def test_so_has_one_whose_joystick_is_slow_and_coarse(course, monkeypatch):
+def test_so_has_one_whose_joystick_is_slow_and_coarse(course):
     slow = course._replace(hand=Hand(0.5, 10.0, 4, 127.0))
-    compiled = tracking.follow(slow, C180, tracking.noisy(C180, 3))
-    monkeypatch.setattr(tracking.compiled_loop, "prepared", interpreted)
-    python = tracking.follow(slow, C180, tracking.noisy(C180, 3), plant=plant_parameters(C180))
+    compiled, python = (
+        tracking.follow(slow, C180, tracking.noisy(C180, 3), compiled=way) for way in (True, False)
+    )
     for name in ("levers", "clock"):
         np.testing.assert_array_equal(getattr(compiled.led, name), getattr(python.led, name))
     np.testing.assert_array_equal(compiled.moved.tip, python.moved.tip)

@@ -19,7 +19,7 @@ from forest_description.geometry.kinematics import Links, tip_position
 from forest_description.machine import Machine
 from forest_description.types import Floats, Vec3
 from forest_msgs_py.types import PERIOD
-from forest_sim.equations.plant_parameters import PlantParameters
+from forest_sim.equations.plant_parameters import PlantParameters, plant_parameters
 from forest_sim.sensors import sensor_suite
 from forest_sim.sensors.sensor_readings import CHANNEL_COUNT
 from forest_sim.sensors.sensor_suite import Suite, noise_generator
@@ -172,25 +172,32 @@ def run(*arguments: Any, **named: Any) -> Trajectory:
     return prepared(*arguments, **named).run()
 
 
-def lead_interpreted(loop: ClosedLoop, links: Links, places: Floats, hand: Hand, rows: int) -> Led:
-    """Do as `Prepared.lead` in an interpreted loop, whose machine has these links."""
-    last, flat = len(places) - 1, places.ravel().tolist()
-    x, y, z = places[0].tolist()
-    guide, lever = Guide(0.0, 0.0, (x, y, z)), levers.REST
-    happened: list[Happened] = []
-    said: list[tuple[float, ...]] = []
-    clock: list[float] = []
-    while len(said) < rows and guide.clock < last:
-        spoken = len(said) % hand.every == 0
-        lever = levers_for(path_guide.asked(guide, hand, flat, last), hand) if spoken else lever
-        clock.append(guide.clock)
-        said.append((*lever, 1.0))
-        one = loop.period(Operator(lever) if spoken else None)
-        happened.append(one._replace(tip=tip_position(one.angles, links)))
-        guide = path_guide.answered(guide, lever, one.tip_wish, hand, flat, last)
-    columns = [np.array(column) for column in zip(*happened, strict=True)]
-    moved = Trajectory(PERIOD * np.arange(len(said), dtype=np.float64), *columns)
-    return Led(moved, np.array(said), np.array(clock))
+class Interpreted(NamedTuple):
+    """A session as `Prepared`, in Python: slower by a factor of ten, and there at once."""
+
+    loop: ClosedLoop
+    links: Links  # of its machine
+    rows: int
+
+    def lead(self, places: Floats, hand: Hand) -> Led:
+        """Do as `Prepared.lead`."""
+        last, flat = len(places) - 1, places.ravel().tolist()
+        x, y, z = places[0].tolist()
+        guide, lever = Guide(0.0, 0.0, (x, y, z)), levers.REST
+        happened: list[Happened] = []
+        said: list[tuple[float, ...]] = []
+        clock: list[float] = []
+        while len(said) < self.rows and guide.clock < last:
+            spoken = len(said) % hand.every == 0
+            lever = levers_for(path_guide.asked(guide, hand, flat, last), hand) if spoken else lever
+            clock.append(guide.clock)
+            said.append((*lever, 1.0))
+            one = self.loop.period(Operator(lever) if spoken else None)
+            happened.append(one._replace(tip=tip_position(one.angles, self.links)))
+            guide = path_guide.answered(guide, lever, one.tip_wish, hand, flat, last)
+        columns = [np.array(column) for column in zip(*happened, strict=True)]
+        moved = Trajectory(PERIOD * np.arange(len(said), dtype=np.float64), *columns)
+        return Led(moved, np.array(said), np.array(clock))
 
 
 def by_heart(
@@ -264,6 +271,28 @@ def prepared(
     loop = loop_kernel.begin(k, start, suite)
     state, flat_k = loop_kernel.pack("loop", loop), loop_kernel.pack("knowledge", k)
     return Prepared(state, flat_k, table, draws(suite, len(table)))
+
+
+def interpreted(
+    machine: Machine,
+    rows: int,
+    start: Vec3,
+    control: controller_settings.Settings,
+    drive: valve_driver_parameters.Settings,
+    model: Machine,
+    suite: Suite | None,
+    plant: PlantParameters | None,
+) -> Interpreted:
+    """Return a session of so many rows at most; arguments as `prepared`."""
+    loop = ClosedLoop(
+        plant_parameters(machine) if plant is None else plant,
+        controller_settings.parameters(model, control),
+        valve_driver_parameters.parameters(model, drive),
+        start,
+        sensor_suite.sensor_suite(machine) if suite is None else suite,
+        fast=True,
+    )
+    return Interpreted(loop, machine.manipulator.links, rows)
 
 
 def draws(suite: Suite, rows: int) -> Floats:

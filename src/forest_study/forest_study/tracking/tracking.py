@@ -129,15 +129,29 @@ def follow(
     suite: Suite | None = None,
     adapt: bool = True,
     plant: PlantParameters | None = None,
+    compiled: bool = True,
 ) -> Session:
-    """Run a course; arguments as `track`; plant: what is simulated instead of the machine's parameters."""
+    """Run a course.
+
+    Args:
+        course: what is driven.
+        machine: what is simulated.
+        suite: as of `track`.
+        adapt: as of `track`.
+        plant: what is simulated instead of the machine's parameters.
+        compiled: by machine code, which is made if need be; else in Python, to the same bits.
+    """
     start = _angles(course.start, course.drawn[0].lap.path, machine)
     drive = course.drive._replace(adapt=adapt)
     for most in LONGEST:
-        rows = np.ones((round(most * len(course.places)), 4))
-        given = (machine, rows, start, course.settings, drive, course.model, suite, plant, course.substeps)
-        led = compiled_loop.prepared(*given).lead(course.places, course.hand)
-        if len(led.clock) < len(rows):
+        rows = round(most * len(course.places))
+        given = start, course.settings, drive, course.model, suite, plant
+        if compiled:
+            begun = compiled_loop.prepared(machine, np.ones((rows, 4)), *given, course.substeps)
+            led = begun.lead(course.places, course.hand)
+        else:
+            led = compiled_loop.interpreted(machine, rows, *given).lead(course.places, course.hand)
+        if len(led.clock) < rows:
             return scored(course, led, machine)
     path = course.drawn[0].lap.path.name
     blind = course.model.capacity is not None and machine.sensors.pressure is None
