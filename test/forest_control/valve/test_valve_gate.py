@@ -80,11 +80,12 @@ def test_a_supply_is_believed_from_a_quarter_of_the_idle_to_half_over_the_greate
     + [(axis, 0.9, True) for axis in (1, 2)],  # a load-holding valve may stand between both ends
 )
 def test_both_ends_of_a_swing_s_hose_must_agree(port, axis, apart, believed):
-    p = parameters()
-    told = Pressures((5e6,) * 3, (5e6,) * 3, p.supply_pressure)
+    p, ports = parameters(), {1: (5e6, 4e6, 4e6), 2: (7e6, 4e6, 4e6)}
+    told = Pressures(ports[1], ports[2], p.supply_pressure)
+    off = on_axis(axis, apart * p.supply_pressure)
     ends = {
-        f"valve_{port}": on_axis(axis, 5e6 - apart * p.supply_pressure, 5e6),
-        f"valve_{3 - port}": (5e6,) * 3,
+        f"valve_{port}": tuple(x - d for x, d in zip(ports[port], off, strict=True)),
+        f"valve_{3 - port}": ports[3 - port],
     }
     motion = STILL._replace(positions=(0.1, 2.0, 2.0), **ends)
     state, _ = valve_driver.step(REST, ZERO, told, motion, p, PERIOD)
