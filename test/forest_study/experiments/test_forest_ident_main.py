@@ -1,4 +1,6 @@
 import os
+import subprocess
+import sys
 
 import numpy as np
 import pytest
@@ -101,6 +103,19 @@ def test_bad_input_gets_one_sentence(arguments, sentence, capsys, tmp_path, monk
     said = capsys.readouterr().err
     assert sentence in said
     assert len(said.strip().splitlines()) == 1
+
+
+def test_the_program_computes_in_one_thread():
+    """On a computer of one core it always does."""
+    code = (
+        "import os, forest_study.experiments.forest_ident_main\n"
+        "import numpy as np\n"
+        "np.ones((500, 500)) @ np.ones((500, 500))\n"
+        "print(len(os.listdir('/proc/self/task')))"
+    )
+    environment = {key: value for key, value in os.environ.items() if not key.endswith("_NUM_THREADS")}
+    said = subprocess.run([sys.executable, "-c", code], env=environment, capture_output=True, check=True)
+    assert said.stdout.split() == [b"1"], said.stderr
 
 
 def test_the_list_tells_what_a_person_does_by_hand(capsys):

@@ -2,8 +2,13 @@
 
 from __future__ import annotations
 
+import os
 import sys
 from collections.abc import Sequence
+
+# Before numpy is imported. A fit's products are small: threads of BLAS wait for each other, up to seconds
+# where other programs want the cores.
+os.environ.setdefault("OMP_NUM_THREADS", "1")
 
 from forest_bringup.graph_lock import GraphError
 from forest_ident.cli import verbs
