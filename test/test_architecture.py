@@ -67,15 +67,16 @@ OF_NAMED_TUPLES = {"_asdict", "_field_defaults", "_fields", "_make", "_replace"}
 
 def private_names(source: str, package: str) -> set[str]:
     """Private names of our other packages that a source imports, or takes from what it imports."""
-    tree, foreign, found = parsed(source), set(), set()
-    for node in ast.walk(tree):
-        home = (node.module or "").split(".") if isinstance(node, ast.ImportFrom) else [""]
-        if home[0] in PACKAGES and home[0] != package:
-            foreign |= {alias.asname or alias.name for alias in node.names}
-            found |= {*home, *(alias.name for alias in node.names)}
-    for node in ast.walk(tree):
-        if isinstance(node, ast.Attribute) and isinstance(node.value, ast.Name) and node.value.id in foreign:
-            found.add(node.attr)
+    foreign, found, taken = set(), set(), set()
+    for node in ast.walk(parsed(source)):
+        if isinstance(node, ast.ImportFrom):
+            home = (node.module or "").split(".")
+            if home[0] in PACKAGES and home[0] != package:
+                foreign |= {alias.asname or alias.name for alias in node.names}
+                found |= {*home, *(alias.name for alias in node.names)}
+        elif isinstance(node, ast.Attribute) and isinstance(node.value, ast.Name):
+            taken.add((node.value.id, node.attr))
+    found |= {name for owner, name in taken if owner in foreign}
     return {name for name in found - OF_NAMED_TUPLES if re.match("_[^_]", name)}
 
 

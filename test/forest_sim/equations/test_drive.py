@@ -44,11 +44,11 @@ def tilted(torque, machine=REAL):
 
 @pytest.mark.parametrize("share", [0.5, 0.95])
 def test_below_its_breakaway_a_bearing_holds_the_crane_on_a_slope_for_ever(share):
-    """The motor leaks and lets the bearing take the load; then there is no creep in ten minutes."""
+    """The motor leaks and lets the bearing take the load; then there is no creep in two minutes."""
     p = plant_parameters(tilted(share * REAL.swing.friction.breakaway_torque))
     settled = advance(equilibrium(POSE, p), SHUT, 2e-3, 100_000, p)
-    end = advance(settled, SHUT, 2e-3, 300_000, p)
-    assert abs(end.plant.swing.angle - settled.plant.swing.angle) < 1e-12
+    end = advance(settled, SHUT, 2e-3, 60_000, p)
+    assert abs(end.plant.swing.angle - settled.plant.swing.angle) < 2e-13
     assert abs(end.plant.swing.rate) < 1e-15
     assert end.events.unconverged_stages == 0
 

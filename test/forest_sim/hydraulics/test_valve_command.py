@@ -152,9 +152,9 @@ def test_changes_too_many_to_keep_are_sampled_and_the_last_one_is_never_lost():
 def test_dead_time_play_slew_and_lag_together_are_their_composition(step):
     """Beside them written apart: a delayed row, the play and the limited lag in steps of 2 us."""
     p, dead_time = plant_parameters(REAL), REAL.valve.dead_time
-    given = np.repeat(np.random.default_rng(6).uniform(-9, 9, 12), round(0.025 / step))
+    given = np.repeat(np.random.default_rng(6).uniform(-9, 9, 12), round(0.025 / step)).tolist()
     history, spools, ours = NO_COMMANDS, (CENTRED,) * 3, []
-    for voltage in given.tolist():
+    for voltage in given:
         acting, history = after_dead_time(history, (0.0, voltage, 0.0), step, (0.0, dead_time, 0.0))
         spools = spools_after(spools, acting, step, p)
         ours.append(spools[1].position)
@@ -164,7 +164,7 @@ def test_dead_time_play_slew_and_lag_together_are_their_composition(step):
         late = k * fine - dead_time
         voltage = given[int(late / step + 1e-6)] if late >= 0.0 else 0.0
         target = min(max(target, voltage - 0.2), voltage + 0.2)
-        position += fine * float(np.clip(2.0 * np.pi * 12.0 * (target - position), -250.0, 250.0))
+        position += fine * min(max(2.0 * np.pi * 12.0 * (target - position), -250.0), 250.0)
         if (k + 1) % round(step / fine) == 0:
             theirs.append(position)
     np.testing.assert_allclose(ours, theirs, atol=2e-3)

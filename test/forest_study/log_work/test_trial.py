@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from expert_trial import expert_trial
 
 from forest_description.machine import load_machine
 from forest_study.log_work import trial, trial_measures
@@ -16,8 +17,8 @@ MACHINE = load_machine("forwarder")
 
 
 @pytest.fixture(scope="module")
-def done():
-    return trial.work(MACHINE, "tip", read_person("expert"), 0.0, 0)
+def done(tmp_path_factory):
+    return expert_trial(tmp_path_factory)
 
 
 def test_both_logs_go_into_the_bunk_and_back(done):

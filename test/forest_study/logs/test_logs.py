@@ -6,6 +6,7 @@ from functools import lru_cache
 
 import numpy as np
 import pytest
+from expert_trial import TRIAL, expert_trial
 
 from forest_study.cli import main
 from forest_study.log_work import trial
@@ -63,7 +64,8 @@ def run_here(study, store, *_):
 @pytest.fixture(scope="module")
 def told(tmp_path_factory):
     """Run one person in two modes: arguments, report, table, page, whose pictures are of the same trials."""
-    out, work = tmp_path_factory.mktemp("logs") / "out", lru_cache(trial.work)
+    out, given, made = tmp_path_factory.mktemp("logs") / "out", trial.work, expert_trial(tmp_path_factory)
+    work = lru_cache(lambda *asked: made if asked == TRIAL else given(*asked))
     arguments = ["logs", "--machine", "forwarder", "--mode", "tip", "assisted", "--operator", "expert"]
     arguments += ["--seeds", "1", "--workers", "1", "--out", str(out)]
     with pytest.MonkeyPatch.context() as patch:

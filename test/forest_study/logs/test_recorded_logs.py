@@ -7,13 +7,14 @@ import pytest
 
 pytest.importorskip("llvmlite")
 
+from expert_trial import expert_trial
+
 from forest_bag.read.timeseries import Series, bag_of
 from forest_control.operator.levers import axes_from_levers
 from forest_description.machine import load_machine
 from forest_msgs_py.interfaces import topics
 from forest_study.cli import main
-from forest_study.log_work import trial, trial_measures
-from forest_study.log_work.person import read_person
+from forest_study.log_work import trial_measures
 from forest_study.log_work.task import ACROSS, DOWN, HOLD, UP
 from forest_study.log_work.work import LOOK_TIME
 from forest_study.logs.recorded_logs import recorded
@@ -23,8 +24,8 @@ MACHINE = load_machine("forwarder")
 
 
 @pytest.fixture(scope="module")
-def done():
-    return trial.work(MACHINE, "tip", read_person("expert"), 0.0, 0)
+def done(tmp_path_factory):
+    return expert_trial(tmp_path_factory)
 
 
 FLOW = 2e-3  # [m^3/s]

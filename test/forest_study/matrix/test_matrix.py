@@ -131,7 +131,7 @@ def test_seeds_beyond_the_capacity_are_told_apart(inches):
 
 def test_the_last_lap_is_judged_by_which_the_driver_has_learnt():
     first, last = (
-        [one.figures.governed_max_mm for one in run_row(ROWS["inch"], REAL, range(20), laps=laps)]
+        [one.figures.governed_max_mm for one in run_row(ROWS["inch"], REAL, range(8), laps=laps)]
         for laps in (1, 3)
     )
     assert np.median(last) < 0.8 * np.median(first)
