@@ -176,15 +176,6 @@ def test_without_pressures_the_nominal_drop_is_assumed(axis):
         assert volts[axis] == voltage(axis, command, pressures(axis, 0.0))
 
 
-def test_loads_are_forgotten_when_the_pressures_are_lost():
-    p, command = parameters(), on_axis(1, 4.0)
-    state, _ = valve_driver.step(REST, command, pressures(1, 100e3), STILL, p, PERIOD)
-    assert state.load.loads[1] == pytest.approx(100e3)
-    state, _ = valve_driver.step(state, command, UNSEEN, STILL, p, PERIOD)
-    assert state.load.loads == REST.load.loads
-    assert not state.load.primed
-
-
 def test_first_pressures_count_whole_and_later_ones_pass_the_low_pass():
     p, command = parameters(load_bandwidth=2.0), ZERO_COMMAND
     state, _ = valve_driver.step(REST, command, pressures(2, 50e3), STILL, p, PERIOD)
@@ -210,12 +201,6 @@ def test_minimum_drop_bounds_the_compensation_under_an_overload(axis, direction)
 def test_a_supply_that_cannot_be_true_does_not_open_a_valve(supply):
     believed = voltage(0, 0.5)
     assert voltage(0, 0.5, pressures(0, 0.0, SUPPLY)._replace(supply=supply)) == believed
-
-
-def test_port_pressures_that_cannot_be_true_count_as_none():
-    for absurd in (1e308, -1e308):
-        measured = pressures(0, 0.0)._replace(port_1=(absurd, 0.0, 0.0))
-        assert voltage(0, 0.5, measured) == voltage(0, 0.5)
 
 
 def test_a_weak_pump_does_not_open_a_valve_beyond_what_the_nominal_one_is_granted():
