@@ -32,7 +32,7 @@ def after(
     voltages = tuple(opens * (volts + math.copysign(1.1, volts)) if volts else 0.0 for volts in command)
     for _ in range(round(seconds / PERIOD)):
         u = commanded_rates(ANGLES, command, P)
-        check = watched(check, ANGLES, rates, lengths, u, voltages, overload, pressures, P, PERIOD)
+        check = watched(check, ANGLES, rates, lengths, u, voltages, overload, pressures, math.nan, P, PERIOD)
     return check
 
 
@@ -126,10 +126,10 @@ UNASKED = FileCheck()
 
 def look(
     check=UNASKED, rates=ZERO, u=(0.1, 0.2, 0.3), voltages=(5.0, 5.0, 5.0), lengths=UNREAD,
-    overload=NO_OVERLOAD, pressures=NO_PRESSURES,
+    overload=NO_OVERLOAD, pressures=NO_PRESSURES, supply=math.nan,
 ):  # fmt: skip
     """One sample of a crane whose joints are unlike."""
-    return watched(check, ANGLES, rates, lengths, u, voltages, overload, pressures, UNLIKE, PERIOD)
+    return watched(check, ANGLES, rates, lengths, u, voltages, overload, pressures, supply, UNLIKE, PERIOD)
 
 
 def test_a_swing_that_goes_back_faster_than_its_valve_would_lead_it_is_pulled():
@@ -155,6 +155,7 @@ def test_a_way_counts_once_the_pump_has_had_its_time(joint):
             (5.0,) * 3,
             over,
             NO_PRESSURES,
+            math.nan,
             slow,
             PERIOD,
         )
@@ -266,6 +267,22 @@ def test_what_a_machine_answers_is_noted_behind_open_valves_and_judged(joint):
     slow = Answers(squares=at(joint, 8.1e-3), products=at(joint, 3.2e-3), responses=at(joint, 1.7e-3))
     assert look(FileCheck(answers=slow), u=ZERO).wrong == 6 + joint
     assert look(FileCheck(answers=Answers(way=0.031, borne=0.7, weight=1.0)), u=ZERO).wrong == 9
+
+
+LOW, KEPT = 0.94 * UNLIKE.speed_limits.idle_pressure, 0.96 * UNLIKE.speed_limits.idle_pressure
+
+
+@every_joint
+def test_what_is_judged_without_the_pump_s_pressure_is_the_supply_s(joint):
+    back = Overload(products=at(joint, -1.0))
+    for supply, starved in ((LOW, True), (KEPT, False), (math.nan, False)):
+        judged = look(FileCheck(fitted=True), overload=back, supply=supply)
+        assert (judged.wrong, judged.starved) == (3 + joint, starved)
+        assert objection(judged).startswith("supply: less than" if starved else "machine file: ")
+        assert look(judged, supply=KEPT) == judged
+    assert not look(supply=LOW).starved
+    lengths = look(FileCheck(strange=9.0), lengths=off(0.05), supply=LOW)
+    assert (lengths.wrong, lengths.starved) == (machine_file_check.BOOM, False)
 
 
 @pytest.mark.parametrize("wrong", range(10))

@@ -31,6 +31,7 @@ class SpeedLimitParameters(NamedTuple):
 
     axes: tuple[AxisDriver, AxisDriver, AxisDriver]
     supply_pressure: float  # [Pa]
+    idle_pressure: float  # [Pa], the least that the pump keeps
     flow_limit: float  # [m^3/s] of the pumps
     boom_length: float  # [m]
     boom_moment: tuple[float, float]  # g m (x, y) of its centre of mass [N m]
@@ -103,6 +104,7 @@ def speed_limit_parameters(
     return SpeedLimitParameters(
         axes=axes,
         supply_pressure=machine.pump.supply_pressure,
+        idle_pressure=machine.pump.idle_pressure,
         flow_limit=machine.pump.flow_limit,
         boom_length=m.boom_length,
         boom_moment=(m.gravity * boom.mass * boom.x, m.gravity * boom.mass * boom.y),

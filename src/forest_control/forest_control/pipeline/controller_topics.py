@@ -8,7 +8,6 @@ from typing import Any
 from forest_control.config.controller_settings import Parameters
 from forest_control.limits.load_moment import WARNED, Loading
 from forest_control.limits.load_weighing import UNREAD as NO_PRESSURES
-from forest_control.limits.load_weighing import Pressures
 from forest_control.operator.joystick_watch import joystick_sample, unreadable_sample
 from forest_control.operator.levers import RIGHT_Y
 from forest_control.operator.taught_command import NO_COMMAND, from_values
@@ -50,6 +49,8 @@ class ControllerInputs:
         self.actuators = node_clock.polled_subscription(topics.ACTUATOR_STATES)
         self.pressures = node_clock.polled_subscription(topics.PRESSURES)
         self._boom = ArrayReader(topics.PRESSURES, BOOM_PRESSURES)
+        self.supply = node_clock.polled_subscription(topics.SUPPLY)
+        self._supply = ArrayReader(topics.SUPPLY, ("pressure",))
         # In lockstep nobody plays: a step cannot wait for an answer to itself.
         self.taught = None if node_clock.lockstep else node_clock.polled_subscription(topics.TAUGHT_COMMAND)
         self._taught = ArrayReader(topics.TAUGHT_COMMAND)
@@ -115,17 +116,18 @@ class ControllerInputs:
             stamp=reading.stamp_ns,
             received=received,
             readable=not problem,
-            boom_pressures=self._boom_pressures(),
+            boom_pressures=self._fresh(self.pressures, self._boom, NO_PRESSURES),
+            supply=self._fresh(self.supply, self._supply, (math.nan,))[0],
         )
         return state, problem
 
-    def _boom_pressures(self) -> Pressures:
-        """Return the pressures in the boom's cylinder [Pa], NaN where there are no fresh ones."""
-        arrival = self.pressures.newest()
+    def _fresh(self, topic: Any, reader: ArrayReader, none: tuple[float, ...]) -> Any:
+        """Return pressures [Pa], NaN where there are no fresh ones."""
+        arrival = topic.newest()
         if not arrival or self._node_clock.now() - arrival.time > PRESSURE_TIMEOUT:
-            return NO_PRESSURES
-        reading = self._boom.read(arrival.message, 0)
-        return NO_PRESSURES if reading.problem else reading.values
+            return none
+        reading = reader.read(arrival.message, 0)
+        return none if reading.problem else reading.values
 
     def cylinders(self, stamp: int, p: Parameters) -> Lengths:
         """Return the lengths [m] of boom and stick at a stamp [ns]; NaN where there are none to be used."""

@@ -16,6 +16,9 @@ A boom that goes back before it has proven right may also carry too much: then i
 more, while oil that is led to the other side leaves it to its weight. Such a way does not count
 (`overloaded_joint` names it).
 
+What is judged while the pump gives less than it keeps at idle is the pump's, or of a file with another pump:
+without oil a joint sinks, whatever is commanded.
+
 | symbol | name | unit |
 |---|---|---|
 | u, v | commanded and measured joint rate | rad/s |
@@ -43,6 +46,7 @@ from forest_description.types import AXES, ZERO, Vec3
 PROVEN = 0.015  # [rad] way after which a joint goes where it is commanded, 0.1 m of the tip at 6 m; chosen
 COMMANDED = 0.01  # [rad/s] of u, from which a way counts: less feeds leakage, or holds what rocks
 MISFIT = 0.03  # [rad] between length and angle: thrice what sensors' static errors give; chosen
+IDLE = 0.95  # [1] of the idle pressure: pumps kept 0.97 in motion, loads pressed up to 0.91 into dead ones
 STRANGE = 0.3  # [s] for which lengths may not fit: samples of different moments, while nothing moves yet
 FITS, BOOM, STICK, POLARITY = 0, 1, 2, 3  # [1] of `wrong`: what is; 3, 4, 5: of swing, boom, stick
 GAIN, LIGHT = 6, 9  # [1] of `wrong`, by `machine_answers`; 6, 7, 8: of swing, boom, stick
@@ -57,6 +61,7 @@ class FileCheck(NamedTuple):
     fitted: bool = False  # they once did
     wrong: int = FITS  # for good; `BOOM` and `STICK`, once lengths have fitted, while they do not
     answers: Answers = NO_ANSWERS
+    starved: bool = False  # what is wrong was judged without the pump's pressure
 
 
 def watched(
@@ -68,6 +73,7 @@ def watched(
     voltages: Vec3,
     overload: Overload,
     pressures: Pressures,
+    supply: float,
     p: Parameters,
     dt: float,
 ) -> FileCheck:
@@ -82,6 +88,7 @@ def watched(
         voltages: of the valves, as the driver says [V]: what no open valve has moved proves nothing.
         overload: joints that have gone against their valves, and for how long these have been open.
         pressures: in the boom's cylinder, head and rod side [Pa]; NaN: not measured.
+        supply: pressure of the pump [Pa]; NaN: not measured.
         p: the controller's parameters.
         dt: since the last sample [s].
     """
@@ -111,7 +118,8 @@ def watched(
         goes_back = asked[i] != 0.0 and overloaded_joint.goes_back(overload, i) and not (i == 1 and loaded)
         if ways[i] < -PROVEN or (ways[i] < PROVEN and goes_back):
             wrong = POLARITY + i
-    return FileCheck(ways, sides, strange, fitted, wrong, answers)
+    starved = wrong >= POLARITY and supply < IDLE * p.speed_limits.idle_pressure
+    return FileCheck(ways, sides, strange, fitted, wrong, answers, starved)
 
 
 def _opened_for(asked: Vec3, voltages: Vec3, loaded: bool, p: Parameters) -> Vec3:
@@ -167,18 +175,20 @@ def objection(check: FileCheck) -> str:
             f" allowed: parameter machine of this crane, and a new start; or position_source joints, if the"
             f" transducer is broken"
         )
-    if check.wrong == LIGHT:
+    if check.starved:
         return (
-            "machine file: the pressures bear less than boom and stick weigh; allowed: parameter machine of"
-            " this crane, and a new start"
+            f"supply: less than the pump keeps at idle, and {_answer(check)}; allowed: start the pump, or"
+            f" parameter machine of this crane; and a new start"
         )
+    signs = "" if check.wrong >= GAIN else "valve and sensor of one sign, "
+    return f"machine file: {_answer(check)}; allowed: {signs}parameter machine of this crane, and a new start"
+
+
+def _answer(check: FileCheck) -> str:
+    """Return what the machine has answered wrong."""
+    if check.wrong == LIGHT:
+        return "the pressures bear less than boom and stick weigh"
     if check.wrong >= GAIN:
         i = check.wrong - GAIN
-        return (
-            f"machine file: {AXES[i]} goes {machine_answers.gain(check.answers, i):.1f} times as fast as"
-            f" commanded; allowed: parameter machine of this crane, and a new start"
-        )
-    return (
-        f"machine file: {AXES[check.wrong - POLARITY]} goes against its commands; allowed: valve and sensor"
-        f" of one sign, parameter machine of this crane, and a new start"
-    )
+        return f"{AXES[i]} goes {machine_answers.gain(check.answers, i):.1f} times as fast as commanded"
+    return f"{AXES[check.wrong - POLARITY]} goes against its commands"

@@ -105,6 +105,7 @@ class MachineState(NamedTuple):
     readable: bool = True
     boom_pressures: Pressures = UNREAD  # [Pa] of its cylinder, head and rod side; NaN: no sample
     lengths: Lengths = NO_LENGTHS  # [m] of the cylinders of boom and stick; NaN: no sample
+    supply: float = math.nan  # [Pa] of the pump; NaN: no sample
 
 
 class Override(NamedTuple):
@@ -318,6 +319,7 @@ def updated_checks(
             driver.voltages,
             overload,
             state.boom_pressures,
+            state.supply,
             p,
             dt,
         ),

@@ -213,7 +213,7 @@ def objection(overload: Overload) -> str:
         if goes_back(overload, i):
             return (
                 f"overload: {name} went back though its valve is open; allowed: put the load down, draw it"
-                f" in, or check sensor, valve and its cable"
+                f" in, or check oil, sensor, valve and its cable"
             )
         if _refuses(overload, i):
             return (

@@ -110,7 +110,7 @@ SUPPLY = Topic(
     name="hydraulics/supply", type=FLOAT_ARRAY, labels=("pressure", "flow", "saturation"),
     units=("Pa", "m³/s", "1"), rate_hz=_RATE,
     doc="Pump: pressure, flow, and the part of its flow limit in use (1 is saturated; the ideal pump: 0).",
-    publishers=(_SIMULATOR,), subscribers=(_DRIVER, _MONITOR), sensed=True,
+    publishers=(_SIMULATOR,), subscribers=(_CONTROLLER, _DRIVER, _MONITOR), sensed=True,
 )
 AUXILIARY = Topic(
     name="hydraulics/auxiliary", type=FLOAT_ARRAY,

@@ -193,6 +193,7 @@ def machine_state(seen: Measurement, stamp: int, now: float) -> MachineState:
         stamp=stamp,
         received=now,
         boom_pressures=(seen.pressures[5], seen.pressures[7]),
+        supply=seen.supply_pressure,
         lengths=(seen.actuators.position[1], seen.actuators.position[2]),
     )
 
