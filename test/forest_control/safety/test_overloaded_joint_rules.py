@@ -3,7 +3,7 @@
 import math
 
 import pytest
-from unlike_joints import BACKWARD, FORWARD, LAGS, UNLIKE, at
+from unlike_joints import BACKWARD, FORWARD, LAGS, RATED, UNLIKE, at
 
 from forest_control.config import controller_settings
 from forest_control.limits.actuator_speed_limits import build_up_time
@@ -289,3 +289,14 @@ def test_the_bounds_of_an_overload(joint, times, owed, since, said):
     assert [goes_back(overload, i) for i in range(3)] == [i == joint and "back" in said for i in range(3)]
     begin = f"overload: {('swing', 'boom', 'stick')[joint]} {said}"
     assert objection(overload).startswith(begin) if said else objection(overload) == ""
+
+
+@pytest.mark.parametrize("side", [1.0, -1.0])
+def test_whether_a_valve_is_wide_is_told_by_the_boom_s_own(side):
+    edge = FORWARD[1] if side > 0.0 else BACKWARD[1]
+    wide = edge + 0.4 * (RATED[1] - edge)
+    for volts, counts in ((wide + 1e-3, True), (wide - 1e-3, False)):
+        opened = at(1, side * volts, 5.0)
+        found = watched(BEFORE, U, (-0.05, -0.06, -0.07), opened, UNREAD, UNLIKE, PERIOD)
+        forgotten = BEFORE.products[1] * math.exp(-PERIOD / 0.3)
+        assert (found.products[1] == pytest.approx(forgotten)) != counts

@@ -193,6 +193,10 @@ def test_two_segments_without_a_hold_between_them_are_one_run_and_both_are_told(
     assert rig.command == NO_COMMAND
 
 
+def test_a_cycle_of_one_segment_tells_it():
+    assert Rig(OUT).events == ["segment out"]
+
+
 def test_a_cycle_may_begin_with_the_grapple():
     rig = Rig(Hold(1, "let", Grapple("let", "open", 0.3)), BACK_HOME, tip=B)
     assert rig.state.phase == Phase.HOLDING
@@ -442,6 +446,16 @@ def test_near_a_stop_a_piece_is_measured_where_there_is_room():
     told = piece(Place(short, 0.0), 0.1)
     assert told.place == pytest.approx(short.path.at(0.005))
     assert told.left == pytest.approx(0.005)
+    last, _, _ = oblique(0.31, stops=(0.0, 0.3, 0.31))
+    assert piece(Place(last, 0.3, 2), 0.1).place == pytest.approx(last.path.at(0.305))
+
+
+def test_from_a_stop_the_speed_is_asked_for_no_farther_than_half_way_to_the_next():
+    one, _, _ = oblique(0.308, stops=(0.0, 0.3, 0.308))
+    one = one._replace(ways=np.array([0.0, 0.3, 0.304, 0.308]), square=np.array([0.0, 0.0, 0.01, 0.0]))
+    state = State(Phase.RUNNING, (one,), place=Place(one, 0.3, 2), speed=0.08)
+    state, _ = step(state, Inputs(one.path.at(0.3), 1.0, True, True), P, DT)
+    assert 0.08 < state.speed <= 0.1
 
 
 def test_a_hairpin_is_told_no_sharper_than_the_controller_believes():
