@@ -15,7 +15,7 @@ from forest_control.servo.acceleration_rule import (
     overshoot,
     ramp_time,
 )
-from forest_control.servo.joint_response import poses, rate_response
+from forest_control.servo.joint_response import poses, rate_response, response_model
 from forest_description.machine import load_machine
 
 C180 = load_machine("c180")
@@ -52,12 +52,13 @@ def test_a_faster_tip_has_as_long_a_ramp_and_a_slower_one_as_steep_a_one():
 def test_behind_compensators_the_inlets_oil_alone_is_a_spring_after_a_rest():
     forwarder, s = load_machine("forwarder"), 2j * np.pi * np.array([0.5])
     for machine, fewer in ((forwarder, True), (C180, False)):
-        q = poses(machine)[4]
+        q, model = poses(machine)[4], response_model(machine)
         for rate in (0.1, -0.1):
-            full, emptied = (rate_response(machine, q, 0, rate, s, emptied=e) for e in (False, True))
+            full, emptied = (rate_response(model, q, 0, rate, s, emptied=e) for e in (False, True))
             assert bool(abs(emptied[0] - 1.0) > abs(full[0] - 1.0)) == fewer
     # Head and rod of a cylinder are unlike springs: which of them is the inlet goes with the direction.
-    lifted, lowered = (rate_response(forwarder, q, 1, rate, s, emptied=True) for rate in (0.1, -0.1))
+    model = response_model(forwarder)
+    lifted, lowered = (rate_response(model, q, 1, rate, s, emptied=True) for rate in (0.1, -0.1))
     assert lifted[0] != lowered[0]
 
 

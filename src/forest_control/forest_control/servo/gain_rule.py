@@ -17,7 +17,13 @@ from typing import NamedTuple
 
 import numpy as np
 
-from forest_control.servo.joint_response import poses, rate_response, tip_radius
+from forest_control.servo.joint_response import (
+    ResponseModel,
+    poses,
+    rate_response,
+    response_model,
+    tip_radius,
+)
 from forest_control.servo.schemes import ERROR_LAG, FULL_RATE
 from forest_description.machine import Machine
 from forest_description.types import Complexes, Floats, Vec3
@@ -43,9 +49,10 @@ class JointGains(NamedTuple):
 @lru_cache(maxsize=16)  # a node that runs asks again whenever a parameter is set
 def gains_by_rule(machine: Machine) -> JointGains:
     """Return the gains that a machine bears."""
-    plain = _feedback(machine, 0, 0.0), _feedback(machine, 1, 0.0), _feedback(machine, 2, 0.0)
+    model = response_model(machine)
+    plain = _feedback(model, 0, 0.0), _feedback(model, 1, 0.0), _feedback(model, 2, 0.0)
     # The damping of a swing whose spools are too slow for it would cost K_p.
-    damped = _feedback(machine, 0, SWING_DAMPING)
+    damped = _feedback(model, 0, SWING_DAMPING)
     feedback, damping = max((damped, SWING_DAMPING), (plain[0], 0.0))
     return JointGains(
         feedback=(feedback, plain[1], plain[2]),
@@ -79,32 +86,32 @@ def servo_response(
     return response
 
 
-def joint_plant(machine: Machine, q: Vec3, axis: int, rate: float) -> Complexes:
+def joint_plant(model: ResponseModel, q: Vec3, axis: int, rate: float) -> Complexes:
     """Return the joint's angle over its commanded rate, at `FREQUENCY` [s].
 
     Args:
-        machine: as the controller knows it.
+        model: of the machine.
         q: pose [rad].
         axis: that moves, alone.
         rate: at which it moves [rad/s].
     """
     s: Complexes = 2j * math.pi * FREQUENCY
-    valve = machine.valve_of(axis)
+    valve = model.machine.valve_of(axis)
     late = np.exp(-(1.5 * PERIOD + (valve.dead_time or 0.0)) * s)
-    response: Complexes = rate_response(machine, q, axis, rate, s) * late / s
+    response: Complexes = rate_response(model, q, axis, rate, s) * late / s
     if valve.spool_bandwidth is None:
         return response
     x = s / (2.0 * math.pi * valve.spool_bandwidth)
     return response / (1.0 + x if not valve.spool_damping else 1.0 + 2.0 * valve.spool_damping * x + x * x)
 
 
-def _feedback(machine: Machine, axis: int, damping: float) -> float:
+def _feedback(model: ResponseModel, axis: int, damping: float) -> float:
     """Return the greatest K_p [1/s] that all stated motions bear; gains below it are borne, too."""
     s: Complexes = 2j * math.pi * FREQUENCY
     motions = [
-        (rate, joint_plant(machine, q, axis, rate))
-        for q in poses(machine)
-        for rate in (speed / tip_radius(machine, q, axis) for speed in TIP_SPEEDS)
+        (rate, joint_plant(model, q, axis, rate))
+        for q in poses(model.machine)
+        for rate in (speed / tip_radius(model.machine, q, axis) for speed in TIP_SPEEDS)
     ]
     borne = STEP
     while borne + STEP <= HIGHEST_GAIN[axis]:

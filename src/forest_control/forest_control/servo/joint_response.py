@@ -15,10 +15,11 @@ air in the oil.
 """
 
 import math
+from typing import NamedTuple
 
-from forest_control.servo.arm_feedforward import arm_inertia, arm_model
-from forest_control.servo.swing_feedforward import inertia, swing_model
-from forest_control.valve.valve_driver_parameters import AxisDriver, axis_drivers
+from forest_control.servo.arm_feedforward import ArmModel, arm_inertia, arm_model
+from forest_control.servo.swing_feedforward import SwingModel, inertia, swing_model
+from forest_control.valve.valve_driver_parameters import Axes, AxisDriver, axis_drivers
 from forest_description.derived.limits import joint_limits
 from forest_description.geometry.kinematics import tip_position
 from forest_description.geometry.linkage import cylinder_length, lever_arm
@@ -29,13 +30,27 @@ from forest_description.types import Complexes, Vec3
 PLACES = 0.2, 0.5, 0.8  # [1] of the ranges of boom and stick: nine poses, away from the strokes' ends
 
 
+class ResponseModel(NamedTuple):
+    """What the answers of a machine have in common, whatever the pose."""
+
+    machine: Machine  # as the controller knows it
+    axes: Axes
+    swing: SwingModel
+    arm: ArmModel
+
+
+def response_model(machine: Machine) -> ResponseModel:
+    """Return the constants for a machine."""
+    return ResponseModel(machine, axis_drivers(machine), swing_model(machine), arm_model(machine))
+
+
 def rate_response(
-    machine: Machine, q: Vec3, axis: int, rate: float, s: Complexes, emptied: bool = False
+    model: ResponseModel, q: Vec3, axis: int, rate: float, s: Complexes, emptied: bool = False
 ) -> Complexes:
     """Return H.
 
     Args:
-        machine: as the controller knows it.
+        model: of the machine.
         q: pose [rad].
         axis: that moves, alone.
         rate: at which it moves [rad/s].
@@ -43,12 +58,13 @@ def rate_response(
         emptied: by a rest are the joint's ports; where its flow heeds no pressure, the outlet stays so.
     """
     if axis == 0:
-        swing, spring = swing_model(machine), _oil(machine, 0, q, rate, s, emptied)
+        swing, spring = model.swing, _oil(model, 0, q, rate, s, emptied)
         alone: Complexes = spring / (inertia(q, swing) * s + swing.damping + spring)
         return alone
-    m_22, m_23, m_33 = arm_inertia(q, arm_model(machine))
-    boom = _oil(machine, 1, q, rate if axis == 1 else 0.0, s, emptied and axis == 1)
-    stick = _oil(machine, 2, q, rate if axis == 2 else 0.0, s, emptied and axis == 2)
+    machine = model.machine
+    m_22, m_23, m_33 = arm_inertia(q, model.arm)
+    boom = _oil(model, 1, q, rate if axis == 1 else 0.0, s, emptied and axis == 1)
+    stick = _oil(model, 2, q, rate if axis == 2 else 0.0, s, emptied and axis == 2)
     on_boom = m_22 * s + boom + machine.boom.damping * lever_arm(q[1], machine.linkages[0]) ** 2
     on_stick = m_33 * s + stick + machine.stick.damping * lever_arm(q[2], machine.linkages[1]) ** 2
     moved, other = (boom, on_stick) if axis == 1 else (stick, on_boom)
@@ -74,13 +90,13 @@ def tip_radius(machine: Machine, q: Vec3, axis: int) -> float:
     return max(1.0, reach)
 
 
-def _oil(machine: Machine, axis: int, q: Vec3, rate: float, s: Complexes, emptied: bool) -> Complexes:
+def _oil(model: ResponseModel, axis: int, q: Vec3, rate: float, s: Complexes, emptied: bool) -> Complexes:
     """Return Z of a joint that moves at a rate [rad/s]; 0: its valve is shut. Merritt, section 6.2."""
-    driver, x, arm = axis_drivers(machine)[axis], 0.0, 1.0
+    driver, x, arm = model.axes[axis], 0.0, 1.0
     if axis > 0:
-        linkage = machine.linkages[axis - 1]
+        linkage = model.machine.linkages[axis - 1]
         x, arm = cylinder_length(q[axis], linkage), lever_arm(q[axis], linkage)
-    inlet, outlet = _drops(machine, driver)
+    inlet, outlet = _drops(model.machine, driver)
     speed, d_1, d_2 = abs(rate * arm), driver.displacement_1, driver.displacement_2
     one = driver.oil_1.fixed + driver.oil_1.growing * x
     two = driver.oil_2.fixed + driver.oil_2.growing * x
