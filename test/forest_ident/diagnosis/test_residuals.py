@@ -73,6 +73,16 @@ def test_oil_that_yields_twice_as_much_is_told_as_the_logarithm_of_two():
     assert over(20.0, rocking)["boom_stiff_1"] == pytest.approx(math.log(2.0), abs=0.01)
 
 
+def test_pressure_that_moves_without_the_actuator_tells_no_stiffness():
+    def pressed(t, way):
+        ports = np.array(PORTS)
+        ports[4:6] += 1e6 * math.sin(8.0 * t)
+        return readings(boom=LENGTHS[0] + way, ports=ports)
+
+    for way in (0.0, 1e-4):  # held by its friction; rocking for another reason
+        assert "boom_stiff_1" not in over(20.0, lambda t, a=way: pressed(t, a * math.cos(8.0 * t)))
+
+
 def test_motion_by_the_valves_law_is_followed_and_none_is_not():
     law, supply = P.axes[1].law, 20e6
     opening = (5.0 - law.forward.deadband_voltage) / (

@@ -21,7 +21,6 @@ from typing import NamedTuple
 
 from forest_description.geometry.linkage import cylinder_length
 from forest_description.hydraulics.valve_characteristic import Direction, opening_at, stroke
-from forest_description.types import Vec3
 from forest_ident.diagnosis.monitor_readings import NAN, Learnt, Readings, Way
 from forest_ident.diagnosis.residual_parameters import AxisNumbers, Parameters, Port, full_speed
 from forest_sim.hydraulics.oil_volume import content
@@ -33,6 +32,7 @@ SHUT = 0.6  # [1] of a deadband, under which a valve is surely shut
 MOVES = 0.02  # [1] of full speed, as a mean over `COURSE`
 STIRRED = 2.0  # [V] of way of the voltage within `SPAN`
 ROCKED = 4e-6  # [m^3] root of the sum of squares of what filled a port, from which its stiffness is told
+COHERENT = 0.3  # [1] correlation of both, under which the pressure has other causes than the motion
 FILLED = 3e5  # [Pa] under which free air makes a port's capacitance uncertain
 HOT = 2.5  # [1] of a motor's leakage in its file: from there the driver, which knows no other, learns wrong
 SURE_DEADBAND, SURE_GAIN = 0.03, 0.05  # [V], [1] spread of what the driver has learnt
@@ -59,16 +59,22 @@ class Sums(NamedTuple):
     stir: float = 0.0  # [V]
 
 
+class Rock(NamedTuple):
+    """One port of a standing axis that rocks: sums over bins [m^6]."""
+
+    product: float = 0.0  # of what the actuator has pressed out, and what that should fill
+    pressed: float = 0.0  # squares of the first
+    filled: float = 0.0  # squares of the second
+
+
 class Course(NamedTuple):
     """One axis over some bins."""
 
     lost_1: float = 0.0  # [m^3]
     lost_2: float = 0.0
     standing: float = 0.0  # bins
-    rock_1: float = 0.0  # [m^6]
-    square_1: float = 0.0
-    rock_2: float = 0.0
-    square_2: float = 0.0
+    rock_1: Rock = Rock()
+    rock_2: Rock = Rock()
     off: float = 0.0  # [m; rad]
     gone: float = 0.0
     moving: float = 0.0  # bins
@@ -185,9 +191,9 @@ def ended(
     leaks_2 = between * (mean.at_2 - mean.at_1) + outside * mean.at_2
     lost = k.one.area * dx + filled_1 + leaks_1, filled_2 - k.two.area * dx + leaks_2
     c, lost_1, lost_2 = _lost(c, lost, quiet, dt)
-    rock_1, square_1, stiff_1 = _stiffness(c.rock_1, c.square_1, k.one.area * dx + leaks_1, -filled_1, quiet)
-    rock_2, square_2, stiff_2 = _stiffness(c.rock_2, c.square_2, k.two.area * dx - leaks_2, filled_2, quiet)
-    c = c._replace(rock_1=rock_1, square_1=square_1, rock_2=rock_2, square_2=square_2)
+    rock_1, stiff_1 = _stiffness(c.rock_1, k.one.area * dx + leaks_1, -filled_1, quiet)
+    rock_2, stiff_2 = _stiffness(c.rock_2, k.two.area * dx - leaks_2, filled_2, quiet)
+    c = c._replace(rock_1=rock_1, rock_2=rock_2)
     predicted_1, predicted_2 = (
         dt * 0.5 * (mean.inflow_1 + a.last.inflow_1),
         dt * 0.5 * (mean.inflow_2 + a.last.inflow_2),
@@ -222,22 +228,25 @@ def _lost(c: Course, came: tuple[float, float], quiet: float, dt: float) -> tupl
     return c._replace(lost_1=0.0, lost_2=0.0, standing=0.0), scale * lost_1, scale * lost_2
 
 
-def _stiffness(rock: float, square: float, volume: float, filled: float, quiet: float) -> Vec3:
+def _stiffness(rock: Rock, volume: float, filled: float, quiet: float) -> tuple[Rock, float]:
     """Return the sums of a port, and ln(C found/C of the file) once a standing axis has rocked enough.
 
+    Where pressure moves without the actuator, as in one that its friction holds, nothing is told.
+
     Args:
-        rock: sum of volume times filled [m^6].
-        square: of filled squared [m^6].
+        rock: the sums before.
         volume: that the actuator has pressed out of the port [m^3].
         filled: that the file's C takes for the rise of pressure [m^3].
         quiet: bins since the valve was shut.
     """
     if quiet <= 1.0 or math.isnan(volume * filled):
-        return rock, square, NAN
-    rock, square = rock + volume * filled, square + filled * filled
+        return rock, NAN
+    product, pressed = rock.product + volume * filled, rock.pressed + volume * volume
+    square = rock.filled + filled * filled
     if square < ROCKED * ROCKED:
-        return rock, square, NAN
-    return 0.0, 0.0, math.log(max(0.05, rock / square))
+        return Rock(product, pressed, square), NAN
+    told = product > COHERENT * math.sqrt(pressed * square)
+    return Rock(), math.log(product / square) if told else NAN
 
 
 def _follows(c: Course, dx: float, off: float, fastest: float, dt: float) -> tuple[Course, float]:
