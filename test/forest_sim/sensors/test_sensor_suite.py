@@ -119,6 +119,16 @@ def test_ranges_lag_floor_and_resolution_are_those_printed():
     assert THESIS.stick.retracted_length - length.low == pytest.approx(0.25 * 0.0254)
 
 
+def test_resolvers_and_pressure_transducers_read_in_steps_where_the_file_says_so():
+    sensors = C180.sensors
+    turn = dataclasses.replace(sensors.resolver, resolution=2.0 * math.pi / 4096)
+    pressure = dataclasses.replace(sensors.pressure, resolution=1 / 4096)
+    coarse = dataclasses.replace(C180, sensors=dataclasses.replace(sensors, resolver=turn, pressure=pressure))
+    assert channel("boom_resolver", coarse).resolution == turn.resolution
+    assert channel("supply_pressure", coarse).resolution == pressure.full_scale / 4096
+    assert channel("boom_resolver", C180).resolution == channel("supply_pressure", C180).resolution == 0.0
+
+
 def test_the_thesis_prints_no_noise_and_the_c180_has_that_of_realistic_control():
     assert {c.noise for c in sensor_suite(THESIS, True).channels} == {0.0}
     assert all(channel(name, C180).noise > 0.0 for name in fitted(C180))

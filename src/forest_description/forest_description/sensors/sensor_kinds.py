@@ -13,7 +13,7 @@ counts as zero.
 
 from dataclasses import dataclass
 
-from forest_description.config.parameter import ParameterSet, parameter, require_order
+from forest_description.config.parameter import ParameterSet, optional_parameter, parameter, require_order
 from forest_description.sensors.sensor_calibration import Calibration
 
 
@@ -24,6 +24,7 @@ class Resolver(ParameterSet):
     full_scale: float = parameter("rad", 0.1, 200.0, "range, half of it to either side of the joint's zero")
     accuracy: float | None = parameter("rad", 0.0, 0.2, "bound of the static error")
     noise: float | None = parameter("rad", 0.0, 0.1, "standard deviation of a sample")
+    resolution: float | None = optional_parameter("rad", 0.0, 0.1, "smallest step of the reading")
 
 
 @dataclass(frozen=True)
@@ -42,6 +43,7 @@ class PressureTransducer(ParameterSet):
     full_scale: float = parameter("Pa", 1e5, 2e8, "range of the transducer")
     accuracy: float | None = parameter("1", 0.0, 0.1, "bound of the static error, share of full scale")
     noise: float | None = parameter("Pa", 0.0, 1e7, "standard deviation of a sample")
+    resolution: float | None = optional_parameter("1", 0.0, 0.1, "smallest step, share of full scale")
 
 
 @dataclass(frozen=True)

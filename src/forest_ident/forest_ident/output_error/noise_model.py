@@ -8,7 +8,7 @@ import math
 import numpy as np
 
 from forest_description.machine import Machine
-from forest_description.sensors.sensor_kinds import FlowMeter, LinearTransducer
+from forest_description.sensors.sensor_kinds import FlowMeter, LinearTransducer, Resolver
 from forest_ident.measurements.session import Session
 from forest_ident.output_error.fit_problem import Channel
 from forest_ident.output_error.prediction import rest
@@ -31,20 +31,20 @@ def channel(machine: Machine, session: Session, name: str) -> Channel:
     part = getattr(machine.sensors, kind.name)
     if session.is_exact or part is None:
         return tiny
-    noise = max(part.noise or 0.0, tiny.noise)
+    step = _step(part) / math.sqrt(12.0)  # uniform within a step of the reading
+    noise = max(math.hypot(part.noise or 0.0, step), tiny.noise)
     accuracy = (getattr(part, "accuracy", 0.0) or 0.0) / math.sqrt(3.0)  # uniform within the bound
     if isinstance(part, FlowMeter):
         return Channel(name, noise, gain=accuracy, floor=part.lowest, high=part.highest)
     if isinstance(part, LinearTransducer):
-        step = part.full_scale * (part.resolution or 0.0)
-        return Channel(name, math.hypot(noise, step / math.sqrt(12.0)), offset=step / math.sqrt(12.0))
+        return Channel(name, noise, offset=step)
     made = Channel(name, noise, offset=accuracy)
     if kind.name == "pressure":
         made = made._replace(offset=accuracy * part.full_scale, zero=True, high=part.full_scale)
     elif kind.name == "case_drain":
         made = made._replace(offset=0.0, gain=accuracy)
     elif kind.name == "resolver":
-        # The simulation starts from the mean reading, so the static error cancels: that mean's noise remains.
+        # The simulation starts from the mean reading: the static error cancels, noise and step remain.
         made = made._replace(offset=start_noise(machine, session, name), run=session.name)
     return made
 
@@ -55,7 +55,13 @@ def start_noise(machine: Machine, session: Session, name: str) -> float:
     if part is None or session.is_exact:
         return 0.0
     rows = rest(session, name.startswith("swing"))
-    return (part.noise or 0.0) / math.sqrt(rows.stop - rows.start)
+    return math.hypot((part.noise or 0.0) / math.sqrt(rows.stop - rows.start), _step(part) / math.sqrt(12.0))
+
+
+def _step(part: object) -> float:
+    """Return the smallest step of a kind's readings [the kind's]."""
+    resolution: float = getattr(part, "resolution", None) or 0.0
+    return resolution * (1.0 if isinstance(part, Resolver) else getattr(part, "full_scale", 1.0))
 
 
 def channels(machine: Machine, session: Session, names: tuple[str, ...]) -> list[Channel]:

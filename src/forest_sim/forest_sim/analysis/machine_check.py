@@ -6,12 +6,13 @@ import math
 from collections.abc import Iterator
 
 from forest_description.config.parameter import choice_of, fields_of, parameter_of
-from forest_description.derived.actuator_kinematics import rated_speeds
+from forest_description.derived.actuator_kinematics import metering_drop, rated_speeds
 from forest_description.derived.limits import joint_limits, workspace_limits
 from forest_description.derived.line_bandwidth import one_lump_warnings
 from forest_description.derived.tip_over import Margins, tip_over_margins
 from forest_description.hydraulics.load_holding_parameters import CounterbalanceValve
 from forest_description.machine import Machine
+from forest_description.mechanics.drives import CylinderDrive, SwingDrive
 from forest_description.types import AXES, Vec3
 from forest_sim.analysis.friction_linearisation import (
     axes_with_friction,
@@ -127,7 +128,7 @@ def _play_warnings(machine: Machine) -> list[str]:
 
 
 def _sensor_warnings(machine: Machine) -> list[str]:
-    """Return a sentence for each sensor whose reading ends too early, or that the load chart lacks."""
+    """Return a sentence for each sensor whose reading ends too early, or that chart or control lacks."""
     sensors, found = machine.sensors, []
     if sensors.resolver is not None:
         half = math.degrees(0.5 * sensors.resolver.full_scale)
@@ -155,7 +156,18 @@ def _sensor_warnings(machine: Machine) -> list[str]:
             "capacity without sensors.pressure: no load is weighed, so the controller allows only motions "
             "that unload"
         )
+    if sensors.pressure is None:
+        found += [
+            f"{axis}: behind a compensator and a counterbalance valve it rocks undamped without "
+            "sensors.pressure: the valve driver damps by the load that it feels"
+            for place, axis in enumerate(AXES)
+            if metering_drop(machine, place) < math.inf and _is_counterbalanced(machine.drives[place])
+        ]
     return found
+
+
+def _is_counterbalanced(drive: CylinderDrive | SwingDrive) -> bool:
+    return any(isinstance(valve, CounterbalanceValve) for valve in (drive.holding_1, drive.holding_2))
 
 
 def _inertia_warnings(machine: Machine) -> list[str]:

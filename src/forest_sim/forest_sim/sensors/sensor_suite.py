@@ -164,8 +164,10 @@ def _channel(kind: str, name: str, machine: Machine, share: float) -> SensorMode
         return exact._replace(gain=1.0 + error)
     if kind == "resolver":
         low, high = -0.5 * part.full_scale, 0.5 * part.full_scale
+        exact = exact._replace(resolution=part.resolution or 0.0)
     elif kind == "pressure":
         error, low, high = error * part.full_scale, 0.0, part.full_scale
+        exact = exact._replace(resolution=part.full_scale * (part.resolution or 0.0))
     elif kind == "thermocouple":
         low, high = part.lowest, part.highest
     return exact._replace(bias=error, low=low, high=high)
