@@ -8,6 +8,7 @@ pytest.importorskip("rclpy")
 
 from clock_by_hand import HandClock
 
+from forest_control.valve import valve_driver
 from forest_control.valve.load_estimate import STILL, UNSEEN, Pressures
 from forest_control.valve.valve_driver import REST
 from forest_control.valve.valve_driver_topics import Measurements, of_pressures
@@ -81,3 +82,13 @@ def test_pressures_that_the_driver_does_not_believe_are_told():
     told = of_pressures("", read, REST)
     assert told.startswith("a pressure is out of its range, or both ends of a swing's hose differ")
     assert told.endswith("; the nominal load is taken")
+    unfed = REST._replace(unfed=valve_driver.UNFED)
+    assert of_pressures("", read, unfed).startswith("the supply is under 2 MPa, or half of its idle")
+
+
+def test_a_supply_of_zero_is_read(clock):
+    measured = Measurements(clock, TIMEOUT, 19e6)
+    put_all(clock)
+    clock.put(topics.SUPPLY, float_array(topics.SUPPLY, 0, (0.0, 0.0, 0.0)))
+    assert measured.read(learning=False) == ""
+    assert measured.pressures().supply == 0.0

@@ -73,6 +73,48 @@ def test_a_supply_is_believed_from_a_quarter_of_the_idle_to_half_over_the_greate
         assert load_estimate.plausible(ports._replace(supply=supply), p) == believed
 
 
+# --- without a pump ---------------------------------------------------------------------------------
+
+
+def driven(steps, p, state=REST):
+    """The voltages of steps of (command of all valves, supply over that of no pump), and the last state."""
+    told = []
+    for command, supply in steps:
+        pressures = Pressures((5e6,) * 3, (5e6,) * 3, supply * min(2e6, 0.5 * p.idle_pressure))
+        state, volts = valve_driver.step(state, (command,) * 3, pressures, STILL, p, PERIOD)
+        told.append(volts)
+    return told, state
+
+
+@pytest.mark.parametrize("machine", [C180, LOADER, load_machine("forwarder")], ids=["c180", "loader", "fw"])
+def test_without_a_pump_the_valves_shut_and_its_return_opens_none_until_nothing_was_commanded(machine):
+    p = parameters(machine)
+    told, state = driven([(2.0, 2.0), *[(2.0, 0.99)] * 10], p)
+    assert [volts == ZERO for volts in told] == [False] * 10 + [True]  # 0.05 s
+    assert valve_driver.is_unfed(state)
+    told, state = driven([(2.0, 2.0)] * 200, p, state)
+    assert set(told) == {ZERO}
+    told, state = driven([(0.0, 2.0), (2.0, 2.0)], p, state)
+    assert told[0] == ZERO != told[1]
+    assert not valve_driver.is_unfed(state)
+
+
+def test_a_pump_that_is_gone_while_nothing_is_commanded_moves_nothing_when_it_is():
+    p = parameters()
+    _, state = driven([(0.0, 0.0)] * 10, p)
+    told, _ = driven([(2.0, 0.0), (2.0, 2.0), (2.0, 2.0)], p, state)
+    assert set(told) == {ZERO}
+    centred = valve_driver.at_rest(state)
+    assert set(driven([(2.0, 2.0)], p, centred)[0]) == {ZERO}  # as after a stop
+
+
+def test_a_glitch_of_the_supplys_transducer_or_none_shuts_no_valve():
+    p = parameters()
+    told, state = driven([(2.0, 2.0), *[(2.0, 0.0)] * 9, (2.0, 2.0), *[(2.0, 0.0)] * 9, (2.0, math.nan)], p)
+    assert ZERO not in told
+    assert state.unfed == 0.0
+
+
 @pytest.mark.parametrize("port", [1, 2])
 @pytest.mark.parametrize(
     ("axis", "apart", "believed"),

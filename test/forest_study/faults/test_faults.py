@@ -34,6 +34,7 @@ CELLS = [
     ("swing's pressure 30 MPa high", State.STANDING, 9),
     ("spool stuck", State.MOTION, 12),
     ("supply lost", State.EXPERIMENT, 4),
+    ("supply lost for 2 s", State.MOTION, 6),
     ("wrong machine file", State.LIMIT, 8),
 ]
 

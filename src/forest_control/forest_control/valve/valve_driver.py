@@ -47,14 +47,20 @@ from forest_control.valve.valve_flow import AxisMeasurement
 from forest_control.valve.valve_hold import SHUT, HoldState, held_command
 from forest_control.valve.valve_inverse import OilState, spool_voltage
 from forest_description.hydraulics.valve_characteristic import ValveLaw
-from forest_description.types import Vec3
+from forest_description.types import ZERO, Vec3
 
 ValveEstimates = tuple[ValveEstimate, ValveEstimate, ValveEstimate]
 Holds = tuple[HoldState, HoldState, HoldState]
 
 HOLD_COMMAND = 1e-6  # [V] below which the actuator is to be held: above the servo's `HOLD_RATE` as a voltage
 SOONEST = 0.0025  # [s] between two commands at the least, whatever the stamps say: half a period
+GONE = 2e6  # [Pa] of the supply, or half of what it keeps at idle, under which no pump runs; chosen
+UNFED = 0.048  # [s] without pressure at the pump, ten samples: a glitch stops nothing
 FORGOTTEN = 0.3  # [s] time constant with which a late voltage is forgotten; chosen, not measured
+NO_PUMP = (
+    f"the supply is under {GONE * 1e-6:g} MPa, or half of its idle pressure: no pump, or a broken transducer; "
+    "the valves stay shut until nothing is commanded"
+)
 
 
 class State(NamedTuple):
@@ -69,6 +75,7 @@ class State(NamedTuple):
     phase: float = 0.0  # of the dither, in turns; zero while all valves are shut: equal openings are alike
     estimates: ValveEstimates = (NO_ESTIMATE, NO_ESTIMATE, NO_ESTIMATE)
     ahead: float = 0.0  # [s] for how long a voltage may stay in force
+    unfed: float = 0.0  # [s] for which the pump has given nothing; from `UNFED` on the valves stay shut
 
 
 class AxisMemory(NamedTuple):
@@ -85,7 +92,21 @@ REST = State()
 def at_rest(state: State) -> State:
     """Return the state of a driver whose valves were centred without it; its estimates stay."""
     one, two, three = state.estimates
-    return REST._replace(estimates=(unmeasured(one), unmeasured(two), unmeasured(three)), ahead=state.ahead)
+    estimates = unmeasured(one), unmeasured(two), unmeasured(three)
+    return REST._replace(estimates=estimates, ahead=state.ahead, unfed=state.unfed)
+
+
+def is_unfed(state: State) -> bool:
+    """Tell whether the valves stay shut for want of a pump, until nothing is commanded.
+
+    Behind open valves its return would throw the crane.
+    """
+    return state.unfed >= UNFED
+
+
+def objection(state: State) -> str:
+    """Return why the valves stay shut whatever is commanded, or ""."""
+    return NO_PUMP if is_unfed(state) else ""
 
 
 def step(
@@ -103,11 +124,15 @@ def step(
         dt: for how long the last voltages were in force [s], by the machine's time; 0 where these
             commands come so close behind others that those never took effect.
     """
-    state = state._replace(load=updated_load(state.load, pressures, motion, p, dt))
+    state = state._replace(
+        load=updated_load(state.load, pressures, motion, p, dt),
+        unfed=_unfed(state, command, pressures.supply < min(GONE, 0.5 * p.idle_pressure), dt),
+    )
     if dt > 0.0:
         state = _moved_on(state, p, dt)
     if p.adapt and dt > 0.0:
         state = state._replace(estimates=_learn(state, pressures, motion, p, dt))
+    command = ZERO if is_unfed(state) else command
     supply, tank = pressures.supply if state.load.primed else p.idle_pressure, _tank_pressure(command, p)
     swing = _axis(0, command[0], supply, tank, motion, state, p, dt)
     boom = _axis(1, command[1], supply, tank, motion, state, p, dt)
@@ -126,6 +151,13 @@ def step(
         _dithered(boom.voltage, wave, p.axes[1]),
         _dithered(stick.voltage, wave, p.axes[2]),
     )
+
+
+def _unfed(before: State, command: Vec3, is_gone: bool, dt: float) -> float:
+    """Return for how long the pump has given nothing [s], or gave nothing while this was commanded."""
+    if is_gone:
+        return before.unfed + dt
+    return before.unfed if is_unfed(before) and command != ZERO else 0.0
 
 
 def _moved_on(state: State, p: Parameters, dt: float) -> State:

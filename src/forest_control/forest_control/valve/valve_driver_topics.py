@@ -9,7 +9,7 @@ from forest_control.valve import valve_adaptation as adaptation
 from forest_control.valve.command_gate import Command
 from forest_control.valve.load_estimate import STILL, UNSEEN, Motion, Pressures
 from forest_control.valve.tracking_limit import STATUS_EVERY
-from forest_control.valve.valve_driver import State
+from forest_control.valve.valve_driver import State, objection
 from forest_control.valve.valve_driver_parameters import Parameters
 from forest_description.machine import Machine
 from forest_description.types import Vec3
@@ -38,6 +38,8 @@ def of_pressures(problem: str, pressures: Pressures, state: State) -> str:
         pressures: that were read.
         state: the driver's, after its step with them.
     """
+    if shut := objection(state):
+        return shut
     if not problem and pressures is not UNSEEN and not state.load.primed:
         problem = "a pressure is out of its range, or both ends of a swing's hose differ; allowed: true ones"
     return problem and f"{problem}; the nominal load is taken"
@@ -154,7 +156,7 @@ class Measurements:
                     self._valves, self._received["valves"] = valves, pressures.time
         if supply:
             reading = self._supply_reader.read(supply.message, 0)
-            if not reading.problem and reading.values[0] > 0.0:
+            if not reading.problem and reading.values[0] >= 0.0:
                 self._supply, self._received["supply"] = reading.values[0], supply.time
         if actuators and learning:
             for i, name in enumerate(topics.ACTUATORS):

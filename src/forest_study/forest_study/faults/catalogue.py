@@ -349,6 +349,8 @@ VALVES = {
         volts=wires.no_volts,
     ),
 }
+NO_OIL = ("the supply", "overload")
+NO_SUPPLY = {State.EXPERIMENT: Bound(told="the supply", again=False)}
 MACHINE = {
     "cylinders' pipes torn": Fault(
         "180 L/min at 10 MPa out of each port, before the load-holding valves",
@@ -363,20 +365,22 @@ MACHINE = {
     ),
     "supply lost": Fault(
         "the pumps give nothing",
-        "The crane stands, and its joints are named; in an experiment the supply pressure is told. One in "
-        "position mode that has nearly arrived asks too little to be judged: gap.",
-        same(Bound(off=1.4, told="overload", again=False), DRIVEN)
-        | {State.POSITION: Bound(off=1.4, again=False)}
-        | {State.EXPERIMENT: Bound(told="the supply pressure", again=False)},
+        "The driver shuts the valves and says why, or sooner the controller, of a joint that stands; in an"
+        " experiment its operator node.",
+        same(Bound(off=1.4, told=NO_OIL, told_within=1.3, again=False), DRIVEN) | NO_SUPPLY,
         breaks=wires.no_supply,
         for_good=True,
     ),
+    "supply lost for 2 s": Fault(
+        "the same, and back at once",
+        "Its return moves nothing before the deadman was released.",
+        same(Bound(zero=1.3, speed=0.7, told=NO_OIL, told_within=1.3), DRIVEN) | NO_SUPPLY,
+        breaks=wires.no_supply,
+    ),
     "engine stalled": Fault(
         "it stands still",
-        "The same.",
-        same(Bound(off=1.4, told="overload", again=False), DRIVEN)
-        | {State.POSITION: Bound(off=1.4, again=False)}
-        | {State.EXPERIMENT: Bound(told="the supply pressure", again=False)},
+        "As a supply that is lost.",
+        same(Bound(off=1.4, told=NO_OIL, told_within=1.3, again=False), DRIVEN) | NO_SUPPLY,
         breaks=wires.stalled,
         for_good=True,
     ),

@@ -87,7 +87,7 @@ class FaultyLoop(ClosedLoop):
         suite: Suite,
     ) -> None:
         super().__init__(p, control, drive, start, suite, fast=True)
-        self._wires, self._broken = wires, False
+        self._wires, self._broken, self._well = wires, False, p
         watch = armed_watch()._replace(restless=RESTLESS)
         self.controller.guard.permission = Permission(joystick=watch)
         self._gate = CommandGate(COMMAND_TIMEOUT, lambda: self.now)
@@ -105,22 +105,30 @@ class FaultyLoop(ClosedLoop):
         return next((text for text in told if text), "")
 
     def _driver_says(self) -> str:
-        return self._gate.problem or (NO_COMMAND if self._gate.is_lost() and self._count else "")
+        lost = NO_COMMAND if self._gate.is_lost() and self._count else ""
+        return self._gate.problem or lost or valve_driver.objection(self._driver)
 
     def period(self, joystick: Joystick) -> Happened:
         """Return what happened in a period."""
-        if not self._broken and self._wires.act(self.now):
-            self._broken = True
-            self._break(self._wires.fault)
+        if self._wires.act(self.now) != self._broken:
+            self._broken = not self._broken
+            if self._broken:
+                self._break(self._wires.fault)
+            else:
+                self._set_plant(self._well)
         return super().period(self._samples(joystick) if isinstance(joystick, Operator) else joystick)
 
     def _break(self, fault: Fault) -> None:
         if fault.breaks:
-            self._simulation, self._plant = fault.breaks(self._simulation, self._plant)
-            self._sensors.set_plant(self._plant, NOMINAL)
+            self._simulation, broken = fault.breaks(self._simulation, self._plant)
+            self._set_plant(broken)
         if fault.restarts:
             old = self.controller
             self.controller = GuardedController(old.parameters, old.guard.p, self._step)
+
+    def _set_plant(self, plant: PlantParameters) -> None:
+        self._plant = plant
+        self._sensors.set_plant(plant, NOMINAL)
 
     def _samples(self, operator: Operator) -> Sequence[Sample]:
         levers, fault = operator.levers, self._wires.fault
