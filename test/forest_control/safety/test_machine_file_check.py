@@ -176,9 +176,14 @@ def test_a_valve_that_is_wired_the_other_way_in_mid_motion_is_named(name, axis):
 @pytest.mark.parametrize("begun", [0, BEGUN])
 @pytest.mark.parametrize("way", [(0.0, 0.0, 0.4), (-0.4, 0.0, 0.0)])
 def test_a_supply_that_is_lost_before_a_joint_has_proven_right_is_named(name, begun, way):
-    """Boom or stick sinks behind its open valve; another file's machine would do so, too."""
+    """Boom or stick sinks behind its open valve; another file's machine would do so, too.
+
+    The driver is sooner where the pressure falls to nothing: here it does not know it.
+    """
     machine = load_machine(name)
     loop, levers = loop_of(machine, machine), levers_for_tip_velocity(way, 0.5)
+    drive = loop._answer
+    loop._answer = lambda state, *others: drive(state._replace(unfed=0.0), *others)
     for k in range(BEGUN + 200):
         if k == begun:
             loop.change_load(wires.no_supply(loop.simulation, plant_parameters(machine))[1])

@@ -58,7 +58,7 @@ GONE = 2e6  # [Pa] of the supply, or half of what it keeps at idle, under which 
 UNFED = 0.048  # [s] without pressure at the pump, ten samples: a glitch stops nothing
 FORGOTTEN = 0.3  # [s] time constant with which a late voltage is forgotten; chosen, not measured
 NO_PUMP = (
-    f"the supply is under {GONE * 1e-6:g} MPa, or half of its idle pressure: no pump, or a broken transducer; "
+    f"the supply is under {GONE * 1e-6:g} MPa, or half of its idle pressure: no pump, or no transducer; "
     "the valves stay shut until nothing is commanded"
 )
 
