@@ -10,7 +10,7 @@ from forest_ident.measurements.session import Session, SessionError
 from forest_ident.output_error.fit_problem import Fit
 from forest_ident.output_error.gaussian_estimate import GaussianEstimate
 from forest_ident.output_error.prediction import predict
-from forest_ident.refinement import linear_estimates, refinement
+from forest_ident.refinement import experiment_check, linear_estimates, refinement
 from forest_ident.refinement.identification import identify
 from forest_ident.refinement.refinement_task import Task
 from forest_ident.refinement.result import unidentified
@@ -112,6 +112,27 @@ def test_a_doubt_goes_along_with_what_a_record_carries(monkeypatch, sessions):
         assert "of its variance comes from what is doubtful: the search of valve" in doubts[f"hose.{key}"]
     assert "valve.minimum_resistance" in doubts
     assert "swing.internal_leakage_resistance" not in doubts  # what is told of the motor is all its error
+
+
+def test_a_ramp_tells_the_overlap_that_a_rig_told_roughly_though_they_agree(monkeypatch):
+    """The stick's own valve of the loader: its curve near the overlap is below the rig's meters."""
+    volts = np.zeros((100, 3))
+    volts[50:, 2] = 4.0
+    records = [Session(name, 0.005 * np.arange(100), volts, {}) for name in ("valve_stick", "deadband_stick")]
+    keys = ("stick.valve.deadband_voltage", "stick.valve.backward.deadband_voltage")
+
+    def refined(_machine, session, known, _progress, _told):
+        value, error = (1.405, 0.28) if session.name == "valve_stick" else (1.4, 3e-5)
+        found = GaussianEstimate(keys, np.full(2, value), error**2 * np.eye(2), np.zeros((2, 1)))
+        told = Fit(dict.fromkeys(keys, value), dict.fromkeys(keys, error), 1.0, found, {}, {}, 1, {})
+        return Task(free=keys, carried=(), channels=()), told
+
+    monkeypatch.setattr(refinement, "refine", refined)
+    monkeypatch.setattr(linear_estimates, "estimates", lambda *_: [])
+    monkeypatch.setattr(experiment_check, "demand", lambda *_: None)
+    found = identify(load_machine("loader"), records).estimates[keys[0]]
+    assert found.value == pytest.approx(1.4, abs=1e-4)
+    assert not found.warning
 
 
 def told_by_records(monkeypatch, slopes):

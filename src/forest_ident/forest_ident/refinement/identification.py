@@ -221,7 +221,7 @@ def _refine(result: Result, session: Session, progress: Callable[[], None]) -> N
     result.refined.append(Refined(session, fit, work.free, tests))
     result.remarks += data_quality.not_explained(session, tests)
     result.doubts += _doubts(result, result.refined[-1], known)
-    if session.kind == "deadband" and not _takes_own_valve(result, session.own_axis, known, fit):
+    if session.kind == "deadband" and not _takes_own_valve(result, session.own_axis, fit):
         return
     found = [key for key in work.free if not explained or _tells(fit.posterior, known, key)]
     for key in found:
@@ -267,7 +267,7 @@ def _tells(posterior: GaussianEstimate, known: GaussianEstimate, key: str) -> bo
     return key not in known.names or posterior.spread(key) <= known.spread(key)
 
 
-def _takes_own_valve(result: Result, axis: str, known: GaussianEstimate, fit: Fit) -> bool:
+def _takes_own_valve(result: Result, axis: str, fit: Fit) -> bool:
     """Tell whether an axis' valve gets its own section: it had one, or it differs from the shared one."""
     own = f"{axis}.valve"
     had_own = part_of(result.start, own) is not None
@@ -287,8 +287,7 @@ def _takes_own_valve(result: Result, axis: str, known: GaussianEstimate, fit: Fi
             initial=False,
         )
         result.linear.append(estimate)
-    estimated = shared in {name.rpartition(".")[0] for name in known.names}
-    if not differs and (estimated or not had_own):
+    if not (differs or had_own):
         return False
     result.machine = with_directions(result.machine, own)
     return True
