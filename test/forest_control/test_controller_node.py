@@ -277,6 +277,21 @@ def test_a_frozen_joystick_moves_nothing_and_is_named(rig, peer, how):
     peer.until(lambda: f"standing still: joystick: {said}" in r.process.text())
 
 
+def test_a_second_joystick_whose_deadman_is_held_too_stops_the_crane_and_is_named(rig, peer):
+    r, said = rig(*RIGID).hold_the_deadman(), peer.hear(topics.DIAGNOSTICS)
+    other = peer.repeat(topics.JOY, lambda now: joy((-0.5, 0.0, 0.0)), 100.0)
+    assert peer.reaction(r.standing, r.process) < 0.35 + MARGIN
+    named = "joy: more than one node publishes it; allowed: one joystick"
+    peer.until(lambda: any(s.message == named for m in said for s in m.status))
+    r.joy, heard = joy, len(r.commands)
+    peer.until(lambda: len(r.commands) > heard + 100)
+    assert r.standing(100)
+    other.cancel()
+    peer.until(lambda: len(r.commands) > heard + 300)
+    assert r.standing(300)  # the levers were not centred since
+    r.push()
+
+
 def test_a_trouble_comes_as_a_diagnostic(rig, peer):
     heard = peer.hear(topics.DIAGNOSTICS)
     r = rig().hold_the_deadman()
