@@ -77,7 +77,7 @@ def interpreted(
         valve_driver_parameters.parameters(machine, DRIVE),
     )
     loop, links = ClosedLoop(plant_parameters(machine), *believed, start, suite), machine.manipulator.links
-    return compiled_loop.lead_interpreted(loop, links, course.places, course.hand, len(course.places) + 1)
+    return compiled_loop.Interpreted(loop, links, len(course.places) + 1).lead(course.places, course.hand)
 
 
 def many(machine: Machine, count: int) -> Row:
