@@ -15,7 +15,7 @@ from forest_control.operator.levers import AXIS_COUNT, BUTTON_COUNT, LEFT_SHOULD
 from forest_control.operator.operator_profile import Frame, Mode
 from forest_control.safety import motion_guard
 from forest_control.servo.schemes import Scheme
-from forest_control.valve import command_gate
+from forest_control.valve import command_gate, valve_driver
 from forest_description.types import AXES
 from forest_msgs_py.interfaces.topics import JOY_AXES, JOY_BUTTONS
 from forest_station.operator.deadman import TOO_LATE
@@ -579,6 +579,7 @@ MESSAGES = (
         "no command",
         "valve driver: no voltages",
         "valve driver: keeps the valves shut",
+        valve_driver.NO_PUMP,
     ),
     "joint state: boom is 3.1 rad; allowed: 0.100 .. 1.200",
     "machine: boom goes by itself, 3 degrees though its valve is shut; allowed: shut off the hydraulics",

@@ -20,7 +20,7 @@ const REMEDIES = [
   [/^joy/, "Look at the joystick's driver: it sends what /joy does not allow."],
   [/goes by itself/, "Shut off the hydraulics: a spool sticks or a pipe is torn."],
   [/^machine file/, "Stand clear. Start the graph anew with this crane's machine file; look at valves and sensors."],
-  [/^supply/, "Stand clear. Look whether engine and pump run, and at the oil; then let go of the deadman."],
+  [/^(the )?supply/, "Stand clear. Look whether engine and pump run, and at the oil; then let go of the deadman."],
   [/^overload/, "Stand clear. Let go of the deadman, then put the load down, or draw it in."],
   [/^load:/, "Draw the load in, or put it down: then there is room again."],
   [/its sensor is frozen/, "Stand clear. Look at this joint's sensor and its cable, and whether the joint is stuck."],
