@@ -13,7 +13,8 @@ from forest_control.limits.velocity_scaling import Limit
 from forest_control.operator import joystick_watch
 from forest_control.operator.levers import AXIS_COUNT, BUTTON_COUNT, LEFT_SHOULDER
 from forest_control.operator.operator_profile import Frame, Mode
-from forest_control.safety import motion_guard
+from forest_control.safety import machine_file_check, motion_guard
+from forest_control.safety.machine_file_check import FileCheck
 from forest_control.servo.schemes import Scheme
 from forest_control.valve import command_gate, valve_driver
 from forest_description.types import AXES
@@ -596,6 +597,11 @@ MESSAGES = (
 def test_every_message_of_our_nodes_has_something_to_do(js: Js, text: str) -> None:
     remedy = "(m, text) => m.remedy(text)"
     assert js("diagnostics/remedies.js", remedy, text) != js("diagnostics/remedies.js", remedy, "of others")
+
+
+def test_a_pump_s_pressure_of_another_machine_s_file_asks_for_the_right_file(js: Js) -> None:
+    text = machine_file_check.objection(FileCheck(wrong=machine_file_check.LIGHT, starved=True))
+    assert "this crane's machine file" in js("diagnostics/remedies.js", "(m, text) => m.remedy(text)", text)
 
 
 def test_every_choice_that_is_made_while_driving_has_a_sentence(js: Js) -> None:

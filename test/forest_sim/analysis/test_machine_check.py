@@ -104,6 +104,15 @@ def test_what_is_not_wise_is_told(machine, parts):
         assert part in found
 
 
+def test_a_valve_that_damps_by_itself_needs_no_pressures():
+    crane = load_machine("c180")
+    assert crane.boom.holding_1 is not None
+    blind = dataclasses.replace(
+        crane, capacity=None, sensors=dataclasses.replace(crane.sensors, pressure=None)
+    )
+    assert told(blind) == told(crane)
+
+
 def test_a_valve_at_the_unloaded_side_may_open_early():
     """Under its own weight a boom presses its head side alone."""
     assert told(holding("holding_2", 5e6, 1e6)) == []

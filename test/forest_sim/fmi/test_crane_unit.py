@@ -38,7 +38,7 @@ for asked in json.loads(sys.argv[3]):
             logger=lambda environment, name, status, category, text: print(text.decode()),
         )
         np.save(asked["out"], rows)
-    except Exception as error:
+    except Exception as error:  # FMPy raises no narrower one
         print(error)
     print("---")
 print(sys.modules["forest_sim"].__file__)
