@@ -6,7 +6,7 @@ package = "forest_bag"
 
 setup(
     name=package,
-    version="0.2.0",
+    version="0.3.0",
     description="What is recorded: MCAP bags written, read, repaired, played, compared, converted",
     license="Apache-2.0",
     packages=find_packages(include=[package, f"{package}.*"]),

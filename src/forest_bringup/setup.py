@@ -6,7 +6,7 @@ package = "forest_bringup"
 
 setup(
     name=package,
-    version="0.2.0",
+    version="0.3.0",
     description="What starts, watches and stops a graph of nodes",
     license="Apache-2.0",
     packages=find_packages(include=[package, f"{package}.*"]),

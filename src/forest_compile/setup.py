@@ -6,7 +6,7 @@ package = "forest_compile"
 
 setup(
     name=package,
-    version="0.2.0",
+    version="0.3.0",
     description="How model functions become fast: ordinary Python compiled to machine code",
     license="Apache-2.0",
     packages=find_packages(include=[package, f"{package}.*"]),

@@ -6,7 +6,7 @@ package = "forest_control"
 
 setup(
     name=package,
-    version="0.2.0",
+    version="0.3.0",
     description="How the operator's wish becomes voltage: joystick, schemes, valve driver, their nodes",
     license="Apache-2.0",
     packages=find_packages(include=[package, f"{package}.*"]),

@@ -6,7 +6,7 @@ package = "forest_description"
 
 setup(
     name=package,
-    version="0.2.0",
+    version="0.3.0",
     description="What the crane is: parameters, linkage, tip kinematics, static laws, URDF",
     license="Apache-2.0",
     packages=find_packages(include=[package, f"{package}.*"]),

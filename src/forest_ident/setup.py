@@ -6,7 +6,7 @@ package = "forest_ident"
 
 setup(
     name=package,
-    version="0.2.0",
+    version="0.3.0",
     description="What the records tell: the recorder and what learns from bags",
     license="Apache-2.0",
     packages=find_packages(include=[package, f"{package}.*"]),

@@ -6,7 +6,7 @@ package = "forest_msgs_py"
 
 setup(
     name=package,
-    version="0.2.0",
+    version="0.3.0",
     description="How the nodes talk, live and on disk: topics, arrays, bags, pictures, the frame of a node",
     license="Apache-2.0",
     packages=find_packages(include=[package, f"{package}.*"]),

@@ -6,7 +6,7 @@ package = "forest_sim"
 
 setup(
     name=package,
-    version="0.2.0",
+    version="0.3.0",
     description="How the crane moves: hydraulics, manipulator, integrator, sensors, the simulator node",
     license="Apache-2.0",
     packages=find_packages(include=[package, f"{package}.*"]),

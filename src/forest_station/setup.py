@@ -6,7 +6,7 @@ package = "forest_station"
 
 setup(
     name=package,
-    version="0.2.0",
+    version="0.3.0",
     description="The operator's page: the crane seen and driven in a browser",
     license="Apache-2.0",
     packages=find_packages(include=[package, f"{package}.*"]),

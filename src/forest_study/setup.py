@@ -6,7 +6,7 @@ package = "forest_study"
 
 setup(
     name=package,
-    version="0.2.0",
+    version="0.3.0",
     description="What happens when machine and control meet: demo, graph, studies, the process supervisor",
     license="Apache-2.0",
     packages=find_packages(include=[package, f"{package}.*"]),

@@ -7,7 +7,7 @@ LAYOUTS = ("crane.rviz", "foxglove.json", "plotjuggler.xml", "qos_overrides.yaml
 
 setup(
     name=package,
-    version="0.2.0",
+    version="0.3.0",
     description="How other tools see the crane: transforms, markers, Foxglove, layouts",
     license="Apache-2.0",
     packages=find_packages(include=[package, f"{package}.*"]),
