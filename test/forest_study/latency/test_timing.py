@@ -124,7 +124,7 @@ def test_the_command_finds_a_run_in_lockstep_on_the_dot(lockstep, tmp_path, caps
 
     monkeypatch.setattr(timing, "replayed", brief)
     monkeypatch.setattr(timing, "score", lambda moved, _session: moved)
-    assert cli.main(["timing", str(lockstep), "--out", str(tmp_path / "out")]) == 0
+    assert cli.main(["timing", str(lockstep), "--machine", "c180_hoses", "--out", str(tmp_path / "out")]) == 0
     report = json.loads((tmp_path / "out" / "timing.json").read_text())
     assert report["periods_behind"] == [report["both"]["governed"]["rms"]]
     assert report["lever_to_valve_ms"]["first"] == {"p50": 0.0, "p99": 0.0}
@@ -134,7 +134,12 @@ def test_the_command_finds_a_run_in_lockstep_on_the_dot(lockstep, tmp_path, caps
 
 
 def test_a_bag_that_is_not_there_is_named_in_one_sentence(tmp_path, capsys):
-    assert cli.main(["timing", str(tmp_path / "none"), "--out", str(tmp_path / "out")]) == 1
+    assert (
+        cli.main(
+            ["timing", str(tmp_path / "none"), "--machine", "c180_hoses", "--out", str(tmp_path / "out")]
+        )
+        == 1
+    )
     said = capsys.readouterr().err.strip()
     assert said.startswith("forest-study: ")
     assert str(tmp_path / "none") in said

@@ -174,11 +174,7 @@ def score(moved: Trajectory, session: Session) -> dict[str, dict[str, float]]:
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the command's options."""
     parser.add_argument("bag", type=Path, metavar="BAG", help="bag of a live session on the simulator")
-    parser.add_argument(
-        "--machine",
-        default="c180_hoses",
-        help="machine of the session, shipped or a file (default: %(default)s)",
-    )
+    parser.add_argument("--machine", required=True, metavar="NAME|FILE", help="machine of the session")
 
 
 def run(options: argparse.Namespace) -> int:
