@@ -248,13 +248,19 @@ def test_a_bad_joystick_gives_zero_and_the_node_lives(rig, peer):
 
 
 def test_enabling_with_a_deflected_stick_moves_nothing_until_it_is_centred(rig, peer):
+    heard, why = (
+        peer.hear(topics.DIAGNOSTICS),
+        "joystick: the levers move nothing until they have been centred",
+    )
     r = rig()
     peer.repeat(topics.JOY, lambda now: r.joy())
-    peer.until(lambda: any(is_heard(status) for status in r.statuses))
-    heard = len(r.commands)
-    peer.until(lambda: len(r.commands) > heard + 40)
+    peer.until(lambda: any(said("controller: joystick", message) == why for message in heard))
+    count = len(r.commands)
+    peer.until(lambda: len(r.commands) > count + 40)
     assert all(volts(message) == (0.0, 0.0, 0.0) for message in r.commands)
+    assert r.process.text().count(why) == 1
     r.push()
+    peer.until(lambda: said("controller: joystick", heard[-1]) == "well")
 
 
 @pytest.mark.parametrize("how", ["content", "stamp", "heartbeat"])

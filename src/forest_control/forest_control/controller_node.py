@@ -61,6 +61,7 @@ class ControllerNode(Node):
         self._diagnostics.note_all(self._guard.causes)
         if telemetry is not None:
             self._outputs.say(machine.stamp, telemetry, self._controller, override)
+            self._diagnostics.warn("joystick", self._guard.joystick_caution())
             self._diagnostics.warn("machine", load_caution(telemetry.output.loading))
             self._diagnostics.publish(machine.stamp)
         elif decision.verdict == Verdict.STOP:

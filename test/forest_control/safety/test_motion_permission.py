@@ -289,6 +289,7 @@ def test_levers_of_a_slow_joystick_go_in_lines_from_sample_to_sample():
 def test_a_reset_needs_centred_levers_and_the_deadman_released(rig):
     said = "the levers must be centred and the deadman released"
     assert rig.guard.against_reset() == said
+    assert rig.guard.joystick_caution() == ""
     rig.levers = REST
     rig.once()
     assert rig.guard.against_reset() == said

@@ -164,6 +164,16 @@ def is_centred(levers: Levers, centre: float) -> bool:
     return max(abs(levers.swing), abs(levers.boom), abs(levers.stick)) <= centre
 
 
+def is_deflected_unarmed(watch: Watch, centre: float) -> bool:
+    """Tell whether a live joystick moves nothing, its deadman held, because the levers were not centred."""
+    return (
+        watch.joystick == Joystick.ALIVE
+        and watch.held
+        and not watch.armed
+        and not is_centred(watch.levers, centre)
+    )
+
+
 def is_released(watch: Watch, centre: float) -> bool:
     """Tell whether the last sample has the deadman released and the levers centred, as a reset needs.
 

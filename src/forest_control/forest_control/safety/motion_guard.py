@@ -8,7 +8,13 @@ from typing import Any
 
 from forest_control.config.controller_settings import Parameters
 from forest_control.operator import late_link
-from forest_control.operator.joystick_watch import Joystick, Sample, is_released, problem_text
+from forest_control.operator.joystick_watch import (
+    Joystick,
+    Sample,
+    is_deflected_unarmed,
+    is_released,
+    problem_text,
+)
 from forest_control.safety import (
     driver_response,
     frozen_sensor,
@@ -34,6 +40,7 @@ GOES_BACK = "joy: a stamp goes back; allowed: rising stamps, or none"
 LOST_STATE = "no state of the machine"
 PRESSED = "emergency stop pressed"
 WAS_FAULTY = "machine: a fault is over; allowed: release the deadman"
+NOT_CENTRED = "joystick: the levers move nothing until they have been centred"
 MISSED = 1.0  # [s] without a sample of /joy, after which people are told that one is waited for
 
 
@@ -133,6 +140,10 @@ class MotionGuard:
         """Return what stands against a reset of the emergency stop, or ""."""
         released = is_released(self.permission.joystick, self.p.joystick.centre)
         return "" if released else "the levers must be centred and the deadman released"
+
+    def joystick_caution(self) -> str:
+        """Return why a joystick that is well moves nothing though its deadman is held, or ""."""
+        return NOT_CENTRED if is_deflected_unarmed(self.permission.joystick, self.p.joystick.centre) else ""
 
     def joystick_values(self) -> dict[str, Any]:
         """Return what is known of the joystick, by names with units, for /diagnostics."""

@@ -17,6 +17,7 @@ const REMEDIES = [
   [/never repeats a sample/, "Set the joystick driver's autorepeat rate to 20 Hz or more."],
   [/nothing new for longer than joy_timeout/, "Look at the joystick and its link. Centre the sticks, then press the deadman anew."],
   [/held still to the last bit/, "The joystick may hang: let go, centre the sticks, press the deadman anew; else unplug it."],
+  [/until they have been centred/, "Let go of the sticks. Then they move the crane."],
   [/^joy/, "Look at the joystick's driver: it sends what /joy does not allow."],
   [/goes by itself/, "Shut off the hydraulics: a spool sticks or a pipe is torn."],
   [/^machine file/, "Stand clear. Start the graph anew with this crane's machine file; look at valves and sensors."],
