@@ -12,7 +12,7 @@ COMMANDER = "forest_sim.commander_node"
 
 
 def start(start_process, path):
-    return start_process(["-m", COMMANDER, "--ros-args", "-p", f"input:={path}"])
+    return start_process(["-m", COMMANDER, *(["--ros-args", "-p", f"input:={path}"] if path else [])])
 
 
 def test_once_heard_it_says_zero_and_its_file_row_by_row_and_ends_at_zero(peer, start_process, tmp_path):
@@ -31,8 +31,12 @@ def values(message):
     return read_float_array(topics.VALVE_COMMANDS, message, 0).values
 
 
-def test_a_file_that_is_none_ends_it_with_one_line(domain_id, start_process, tmp_path):
-    process = start(start_process, tmp_path / "absent.csv")
+@pytest.mark.parametrize(
+    ("file", "why"), [("absent.csv", "cannot be read as CSV"), ("", "is ''; allowed: a CSV file of voltages")]
+)
+def test_a_file_that_is_none_ends_it_with_one_line(domain_id, start_process, tmp_path, file, why):
+    process = start(start_process, file and tmp_path / file)
     assert process.ended() == 2
     assert process.text().count("\n") == 1
     assert "parameter 'input'" in process.text()
+    assert why in process.text()

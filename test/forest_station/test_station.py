@@ -57,6 +57,7 @@ def test_one_command_starts_graph_and_page_and_ctrl_c_ends_both(start_process, w
         taken = start_process(["-m", "forest_station.station", "--join", "--no-browser", "--port", str(port)])
         assert taken.ended() == 1  # bound, though nobody listens
         assert "cannot be had" in taken.text()
+        assert "never awaited" not in taken.text()
     command = ["-m", "forest_station.station", "--no-browser", "--port", str(port)]
     station = start_process(command, env=dict(os.environ))  # all anew, as a user does
     address = f"http://127.0.0.1:{port}/"

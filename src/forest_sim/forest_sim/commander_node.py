@@ -27,8 +27,11 @@ class CommanderNode(Node):
         super().__init__("commander")
         self._node_clock = node_clock(self)
         self.run = self._node_clock.run
+        path = declare(self, CommanderParameters).input
+        if not path:
+            raise ParameterError("parameter 'input' is ''; allowed: a CSV file of voltages")
         try:
-            self._input = read_voltages(Path(declare(self, CommanderParameters).input))
+            self._input = read_voltages(Path(path))
         except InputError as error:
             raise ParameterError(f"parameter 'input': {error}") from error
         self._command = number_publisher(self._node_clock, topics.VALVE_COMMANDS)

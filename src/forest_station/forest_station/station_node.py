@@ -37,7 +37,7 @@ class StationNode(Node):
             raise NodeFailure(text) from error
 
     async def _serve(self, stopping: threading.Event) -> None:
-        await serve(Station(self._graph, self._options), self._entrance, _set(stopping))
+        await serve(Station(self._graph, self._options), self._entrance, lambda: _set(stopping))
 
 
 async def _set(event: threading.Event) -> None:

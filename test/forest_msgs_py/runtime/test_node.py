@@ -129,6 +129,7 @@ def test_a_loop_of_its_own_ends_before_the_last_words(talker, wait_until):
     [
         (("-p", "fault:=fire"), "talker: parameter 'fault' is 'fire'; allowed: one of , bug, failure, done"),
         (("-p",), "talker: failed to initialize rcl"),
+        (("--", "fire"), "talker: unknown argument 'fire'; allowed: --ros-args"),
     ],
 )
 def test_a_wrong_start_is_one_clear_line_and_exit_code_2(talker, arguments, words):
@@ -136,6 +137,11 @@ def test_a_wrong_start_is_one_clear_line_and_exit_code_2(talker, arguments, word
     assert process.ended() == 2
     assert words in process.text()
     assert "Traceback" not in process.text()
+
+
+def test_asked_for_help_a_node_says_what_it_is_and_does_not_start(capsys):
+    assert node.run_node(environment.prepare_environment, ["node", "--help"]) == 0
+    assert capsys.readouterr().out.startswith(environment.__doc__.strip())
 
 
 def test_names_follow_a_namespace_and_a_remap(talker, make_node, wait_until):

@@ -52,6 +52,7 @@ def test_the_token_counts_beyond_loopback_only():
 
 def test_only_loopback_is_opened_without_a_token(tmp_path, monkeypatch):
     monkeypatch.setenv("XDG_STATE_HOME", str(tmp_path))
+    monkeypatch.setattr("socket.getaddrinfo", lambda *_: [])  # as where somebody is called cabin
     for host in ("127.0.0.1", "localhost", "::1"):
         way = entrance(StationParameters(host=host))
         assert (way.access.token, way.tls, way.notes) == ("", None, ())
@@ -64,6 +65,22 @@ def test_only_loopback_is_opened_without_a_token(tmp_path, monkeypatch):
         assert way.address.endswith(f"?token={way.access.token}")
         assert "other computers" in way.notes[0]
         assert "fingerprint" in way.notes[1]
+
+
+@pytest.mark.parametrize(
+    ("given", "why"),
+    [
+        ({"host": "nobody.invalid"}, "host 'nobody.invalid': .*; allowed: an address of this computer"),
+        (
+            {"certificate": "c.pem"},
+            "127.0.0.1 is served without TLS; allowed: certificate and key with another",
+        ),
+        ({"key": "k.pem"}, "127.0.0.1 is served without TLS"),
+    ],
+)
+def test_what_cannot_be_served_is_refused_before_anything_is(given, why):
+    with pytest.raises(ValueError, match=why):
+        entrance(StationParameters(**given))
 
 
 def test_a_self_made_certificate_is_kept_and_nobody_else_can_read_its_key(tmp_path):

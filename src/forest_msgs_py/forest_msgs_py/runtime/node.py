@@ -20,6 +20,7 @@ is set, the node ends; what it raises counts as raised in a callback.
 import difflib
 import faulthandler
 import gc
+import re
 import signal
 import socket
 import sys
@@ -39,6 +40,7 @@ from rclpy.exceptions import NameValidationException, ParameterException
 from rclpy.executors import ExternalShutdownException
 from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
+from rclpy.utilities import remove_ros_args
 
 from forest_msgs_py.interfaces.topic_qos import qos
 from forest_msgs_py.interfaces.topics import Topic, message_class
@@ -51,6 +53,8 @@ from forest_msgs_py.runtime.environment import (
 from forest_msgs_py.runtime.static_executor import StaticExecutor
 from forest_msgs_py.runtime.stop_signals import heeded
 
+ARGUMENTS = "--ros-args [-p NAME:=VALUE] [-r FROM:=TO] ... (docs/reference/parameters.md)"
+SOURCE = re.compile(r",? at /\S+:\d+")  # where in rcl's own files an error arose
 LAST_WORDS = 0.1  # [s]
 LEAVING = 2.0  # [s] for a node to leave the graph; on a loaded host it takes up to 0.4
 
@@ -104,7 +108,15 @@ class _StopSignals:
 
 
 def run_node(factory: Callable[[], Node], args: Sequence[str] | None = None) -> int:
-    """Build a node, run it until it is told to stop, and give the process' exit code."""
+    """Build a node, run it until it is told to stop, and give the process' exit code.
+
+    Args:
+        factory: of the node; asked for help, its module's docstring is what it says.
+        args: the command line; default: that of the process.
+    """
+    if {"-h", "--help"} & set(sys.argv if args is None else args):
+        print(f"{(sys.modules[factory.__module__].__doc__ or '').strip()}\n\nArguments: {ARGUMENTS}")
+        return 0
     faulthandler.enable()  # a crash or a hang tells in the log where it was
     try:
         prepare_environment()
@@ -116,6 +128,7 @@ def run_node(factory: Callable[[], Node], args: Sequence[str] | None = None) -> 
     try:
         try:
             rclpy.init(args=args, signal_handler_options=SignalHandlerOptions.NO)
+            _refuse_other_arguments(args)
             node = factory()
             _warn_of_unknown_parameters(node)
         except _start_errors() as error:
@@ -138,6 +151,13 @@ def _start_errors() -> tuple[type[BaseException], ...]:
     return (ValueError, OSError, NodeFailure, ParameterException, NameValidationException, RCLError)
 
 
+def _refuse_other_arguments(args: Sequence[str] | None) -> None:
+    """Raise ValueError unless ROS understands every argument: others it passes over in silence."""
+    others = remove_ros_args(sys.argv if args is None else list(args))[1:]
+    if others:
+        raise ValueError(f"unknown argument {others[0]!r}; allowed: {ARGUMENTS}")
+
+
 def _warn_of_unknown_parameters(node: Node) -> None:
     """Say which parameters were given that the node does not have: ROS says nothing, a slip has no effect."""
     given: dict[str, Any] = getattr(node, "_parameter_overrides", {})
@@ -149,7 +169,8 @@ def _warn_of_unknown_parameters(node: Node) -> None:
 
 
 def _print_error(error: BaseException) -> None:
-    print(f"{Path(sys.argv[0]).stem}: {' '.join(str(error).split())}", file=sys.stderr, flush=True)
+    told = SOURCE.sub("", " ".join(str(error).split()))
+    print(f"{Path(sys.argv[0]).stem}: {told}", file=sys.stderr, flush=True)
 
 
 def _spin(node: Node, signals: _StopSignals) -> int:

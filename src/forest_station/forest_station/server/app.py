@@ -4,7 +4,7 @@ import asyncio
 import functools
 import importlib.resources
 import time
-from collections.abc import Awaitable
+from collections.abc import Awaitable, Callable
 from pathlib import Path
 
 from aiohttp import web
@@ -30,8 +30,8 @@ SETTINGS_PERIOD = 2.0  # [s] in which a parameter that somebody else set is seen
 ENDS = 1.0  # [s] for which pages may take leave
 
 
-async def serve(station: Station, way: Entrance, ended: Awaitable[None]) -> None:
-    """Serve pages until `ended` is done.
+async def serve(station: Station, way: Entrance, ended: Callable[[], Awaitable[None]]) -> None:
+    """Serve pages until what `ended` returns is done.
 
     Raises:
         OSError: the port cannot be had.
@@ -49,7 +49,7 @@ async def serve(station: Station, way: Entrance, ended: Awaitable[None]) -> None
         await web.TCPSite(runner, station.options.host, way.access.port, ssl_context=way.tls).start()
         for line in (*way.notes, f"the page is at {way.address}"):
             print(line, flush=True)  # not logged: a token belongs neither on /rosout nor into bags
-        await _first_done(asyncio.ensure_future(ended), *tasks)
+        await _first_done(asyncio.ensure_future(ended()), *tasks)
     finally:
         for task in tasks:
             task.cancel()

@@ -27,10 +27,15 @@ def entrance(p: StationParameters) -> Entrance:
     """Return the entrance that the parameters ask for; beyond loopback it has a token and TLS.
 
     Raises:
-        ValueError: certificate and key cannot be used.
+        ValueError: certificate and key cannot be used, or nobody has the host's name.
         OSError: a certificate cannot be kept.
     """
+    _require_known(p.host)
     if is_loopback(p.host):
+        if p.certificate or p.key:
+            raise ValueError(
+                f"{p.host} is served without TLS; allowed: certificate and key with another host"
+            )
         access = Access(p.port)
         return Entrance(access, None, f"http://{_bracketed(p.host)}:{p.port}/")
     token = secrets.token_urlsafe(TOKEN_BYTES)
@@ -44,6 +49,13 @@ def entrance(p: StationParameters) -> Entrance:
         tls, fingerprint = self_made_certificate(p.host, kept_in())
         notes += (f"the certificate is self-made; its SHA-256 fingerprint is {fingerprint}",)
     return Entrance(access, tls, f"https://{_bracketed(_name(p.host))}:{p.port}/?token={token}", notes)
+
+
+def _require_known(host: str) -> None:
+    try:
+        socket.getaddrinfo(host, None)
+    except OSError as error:
+        raise ValueError(f"host {host!r}: {error.strerror}; allowed: an address of this computer") from error
 
 
 def _name(host: str) -> str:
