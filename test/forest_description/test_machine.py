@@ -226,6 +226,12 @@ def test_values_that_contradict_each_other_are_refused(part, change, message):
         dataclasses.replace(part, **change)
 
 
+@pytest.mark.parametrize("name", ["", "../up", "a/b", "back\\slash", ".hidden", "two\nlines"])
+def test_a_name_by_which_no_file_can_be_named_is_refused(name):
+    with pytest.raises(MachineError, match="files are named by it; allowed: printable characters"):
+        dataclasses.replace(MACHINE, name=name)
+
+
 def test_units_that_convert_agree_with_their_definitions():
     assert UNITS["deg"].factor * 180.0 == pytest.approx(math.pi)
     assert UNITS["m3/rev"].factor * 2.0 * math.pi == pytest.approx(1.0)

@@ -198,6 +198,12 @@ def test_a_damaged_bag_is_refused_with_advice(make_bag, content, capsys):
     assert error.count("\n") == 1
 
 
+def test_aligned_with_itself_a_bag_is_the_same_though_messages_share_a_stamp(make_bag, content):
+    twice = [(time, joints(time, number)) for number, time in enumerate((10, 20, 20, 30))]
+    bag = str(make_bag({topics.JOINT_STATES: twice}, "a"))
+    assert main(["compare", bag, bag, "--align", "start"]) == 0
+
+
 @pytest.mark.parametrize(
     ("flags", "problem"),
     [
@@ -207,7 +213,6 @@ def test_a_damaged_bag_is_refused_with_advice(make_bag, content, capsys):
             "--tolerance /nothing: no such topic; there are /hydraulics/auxiliary",
         ),
         (["--align", "/nothing"], "/nothing"),
-        (["--json", "/nowhere/c.json"], "/nowhere/c.json: No such file"),
         (["--json", "/dev/full"], "/dev/full: No space left"),
     ],
 )
@@ -215,6 +220,19 @@ def test_what_is_wrong_is_named(make_bag, content, capsys, flags, problem):
     bag = str(make_bag(content, "a"))
     assert main(["compare", bag, bag, *flags]) == 2
     assert problem in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("flags", "allowed"),
+    [
+        (["--json", "/nowhere/c.json"], "a file in a directory that is there"),
+        (["--picture", "c.bmp"], "a file that ends in .png, .pdf, .svg"),
+    ],
+)
+def test_a_file_that_cannot_be_made_is_told_before_the_work(capsys, flags, allowed):
+    with pytest.raises(SystemExit, match="2"):
+        main(["compare", "a", "b", *flags])
+    assert f"allowed: {allowed}" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize("tolerance", ["-1", "nan", "inf", "much", "/joy="])

@@ -39,6 +39,7 @@ def test_a_cycle_is_renamed_but_not_onto_another(folder, capsys):
     assert "there is one" in capsys.readouterr().err
 
 
-def test_a_shipped_cycle_is_copied_under_a_name_of_the_users(folder):
+def test_a_shipped_cycle_is_copied_under_a_name_of_the_users(folder, capsys):
     assert main(["cycle", "rename", "transport", "parked", "--directory", str(folder)]) == 0
+    assert capsys.readouterr().out == "transport is shipped and stays; parked is a copy of it\n"
     assert load_cycle("parked", folder).segments == load_cycle("transport", folder).segments

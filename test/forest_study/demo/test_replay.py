@@ -63,6 +63,13 @@ def test_a_change_of_a_parameter_that_the_node_does_not_have_is_refused(lockstep
     assert said.count("\n") == 1
 
 
+def test_a_change_of_a_node_that_is_not_run_is_refused(lockstep_bag, tmp_path, capsys):
+    said = refused(
+        [lockstep_bag, "--nodes", "valve_driver", "--set", "controller.scheme=joint"], tmp_path, capsys
+    )
+    assert "--set controller: this node is not run; allowed: valve_driver, or --nodes controller" in said
+
+
 @pytest.mark.parametrize("text", ["controller", "controller.gain", "pump.gain=1", ".gain=1", "controller.=1"])
 def test_a_change_that_names_no_nodes_parameter_is_refused(text):
     with pytest.raises(argparse.ArgumentTypeError, match=r"allowed: NODE\.PARAMETER=VALUE"):

@@ -90,7 +90,11 @@ def test_from_the_command_line(tmp_path, capsys):
 
 @pytest.mark.parametrize(
     ("arguments", "reason"),
-    [(["--voltage", "0"], "0 V leave the valve shut"), (["--tip", "20", "0", "1"], "is out of reach")],
+    [
+        (["--voltage", "0"], "0 V leave the valve shut"),
+        (["--voltage", "11"], "swing's spool at 11 V; allowed: up to 10 V, its rating"),
+        (["--tip", "20", "0", "1"], "is out of reach"),
+    ],
 )
 def test_what_cannot_be_is_told(arguments, reason, tmp_path, capsys):
     assert main(["bode", *arguments, "--out", str(tmp_path / "out")]) == 1

@@ -12,8 +12,9 @@ from pathlib import Path
 from forest_bag.compare.comparison import Comparison, Tolerance
 from forest_bag.read.bag_reader import BagReader
 from forest_bag.storage.bag_files import BagError
-from forest_msgs_py.runtime.command_line import Subcommands, path_in_errors
+from forest_msgs_py.runtime.command_line import Subcommands, output_file, path_in_errors
 
+PICTURES = ".png", ".pdf", ".svg"
 TROUBLE = 2  # as diff and cmp do: 1 means "different"
 
 
@@ -44,10 +45,13 @@ def add_parser(verbs: Subcommands) -> None:
         "message of a topic, interpolated; log times, texts and bytes are left out",
     )
     parser.add_argument(
-        "--json", type=Path, metavar="FILE", help="write the differences as JSON; -: standard output"
+        "--json", type=output_file(), metavar="FILE", help="write the differences as JSON; -: standard output"
     )
     parser.add_argument(
-        "--picture", type=Path, metavar="FILE", help="draw the largest differences (.png, .pdf, .svg)"
+        "--picture",
+        type=output_file(*PICTURES),
+        metavar="FILE",
+        help="draw the largest differences (.png, .pdf, .svg)",
     )
     parser.add_argument("-q", "--quiet", action="store_true", help="print nothing")
 
@@ -103,10 +107,7 @@ def _write(comparison: Comparison, options: argparse.Namespace) -> None:
     if options.picture is not None:
         from forest_bag.compare.comparison_plot import draw
 
-        try:
-            draw(comparison, options.a, options.b, options.picture)
-        except ValueError as error:
-            raise BagError(f"--picture {options.picture}: {error}") from error
+        draw(comparison, options.a, options.b, options.picture)
 
 
 def _tolerance(text: str) -> tuple[str, float]:

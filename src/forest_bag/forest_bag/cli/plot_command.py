@@ -32,6 +32,8 @@ def run(options: argparse.Namespace) -> int:
     with BagReader(options.bag, lenient=True) as reader:
         limits = joint_limits(reader)
     output = options.output or options.bag.parent / f"{options.bag.resolve().name}_pictures"
+    if output.exists() and not output.is_dir():
+        raise BagError(f"{output} is a file; allowed: a directory for the pictures")
     drawn = draw_all(read_bag(options.bag), output, limits)
     if not drawn:
         raise BagError(

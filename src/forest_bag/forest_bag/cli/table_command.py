@@ -10,7 +10,7 @@ import numpy as np
 
 from forest_bag.convert.table import Table, joined
 from forest_bag.storage.bag_files import BagError
-from forest_msgs_py.runtime.command_line import Command, Subcommands
+from forest_msgs_py.runtime.command_line import Command, Subcommands, output_file
 from forest_msgs_py.types import NS_PER_S
 
 BLOCK = 4096  # rows formatted at once
@@ -20,11 +20,19 @@ def add_parser(verbs: Subcommands) -> None:
     """Add both verbs and their flags."""
     csv_parser = _add(verbs, "to-csv", "write a bag's numbers as one CSV table", to_csv)
     csv_parser.add_argument(
-        "-o", "--output", type=Path, metavar="FILE", help="CSV file to be made (default: standard output)"
+        "-o",
+        "--output",
+        type=output_file(),
+        metavar="FILE",
+        help="CSV file to be made (default: standard output)",
     )
     parquet = _add(verbs, "to-parquet", "write a bag's numbers as one Parquet table", to_parquet)
     parquet.add_argument(
-        "-o", "--output", type=Path, metavar="FILE", help="Parquet file to be made (default: BAG.parquet)"
+        "-o",
+        "--output",
+        type=output_file(),
+        metavar="FILE",
+        help="Parquet file to be made (default: BAG.parquet)",
     )
 
 

@@ -8,7 +8,8 @@ t                stamp - origin, s
 difference       b(t) - a(t) at the stamps of a, b interpolated linearly
 ===============  ===========================================================================================
 
-Only the span that both have counts. Log times, bytes and texts mean nothing here and are not compared.
+Of several messages of one stamp the last counts. Only the span that both have counts. Log times, bytes and
+texts mean nothing here and are not compared.
 """
 
 from collections.abc import Collection
@@ -87,6 +88,7 @@ def _compare_series(result: TopicDifference, series: tuple[Series, Series], orig
         if label not in shared:
             result.structure += 1
             result.note(0, int(origins[0]), f"{label} only in {'A' if label in a.labels else 'B'}")
+    a, b = _last_of_each_stamp(a), _last_of_each_stamp(b)
     times = a.time_ns - origins[0], b.time_ns - origins[1]
     if not (len(times[0]) and len(times[1])):
         return
@@ -103,6 +105,14 @@ def _compare_series(result: TopicDifference, series: tuple[Series, Series], orig
                 place, int(stamps[place]), f"{label} differs by {difference[place]:.9g} {unit}".rstrip()
             )
         result.differing = max(result.differing, int((difference != 0.0).sum()))
+
+
+def _last_of_each_stamp(series: Series) -> Series:
+    """Return the series without messages that another of the same stamp follows."""
+    kept = np.append(np.diff(series.time_ns) != 0, True)[: len(series.time_ns)]
+    return series._replace(
+        time_ns=series.time_ns[kept], log_time_ns=series.log_time_ns[kept], values=series.values[kept]
+    )
 
 
 def interpolated(time_ns: NDArray[np.int64], values: Floats, wanted_ns: NDArray[np.int64]) -> Floats:

@@ -32,7 +32,6 @@ def draw(comparison: Comparison, a: Path, b: Path, file: Path) -> None:
 
     Raises:
         OSError: it cannot be written.
-        ValueError: there is no such format.
     """
     topics = [t.topic for t in comparison.topics.values() if any(s.largest for s in t.signals.values())]
     bags = read_bag(a, topics), read_bag(b, topics)

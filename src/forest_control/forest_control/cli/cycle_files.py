@@ -83,7 +83,11 @@ def _rename(options: argparse.Namespace) -> int:
     if target.exists():
         raise SettingFileError(f"cycle {options.new!r}: there is one; allowed: a name that is free")
     save_cycle(taught._replace(name=options.new), options.directory)
-    file_of(options.name, options.directory).unlink(missing_ok=True)  # a shipped one stays
+    own = file_of(options.name, options.directory)
+    if own.exists():
+        own.unlink()
+    else:
+        print(f"{options.name} is shipped and stays; {options.new} is a copy of it")
     return 0
 
 

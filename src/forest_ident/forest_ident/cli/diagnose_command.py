@@ -13,7 +13,7 @@ from forest_ident.diagnosis.recorded_readings import samples
 from forest_ident.diagnosis.residual_limits import LIMITS
 from forest_ident.diagnosis.residuals import NAMES
 from forest_ident.measurements.session import SessionError
-from forest_msgs_py.runtime.command_line import Subcommands, subcommand
+from forest_msgs_py.runtime.command_line import Subcommands, output_file, subcommand
 
 EVERY = 1.0  # [s] between two looks at what is found
 FOUND = 1  # exit code
@@ -36,7 +36,7 @@ def add_parser(verbs: Subcommands) -> None:
     text = "reference bag of the machine in good health, learnt from first; may be repeated"
     parser.add_argument("--healthy", type=Path, action="append", default=[], metavar="BAG", help=text)
     parser.add_argument(
-        "--out", type=Path, metavar="FILE", help="JSON file to be made, with findings and residuals"
+        "--out", type=output_file(), metavar="FILE", help="JSON file to be made, with findings and residuals"
     )
 
 

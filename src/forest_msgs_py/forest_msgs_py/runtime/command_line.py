@@ -48,6 +48,24 @@ def whole(low: int, high: int = LARGEST) -> Callable[[str], int]:
     return read
 
 
+def output_file(*suffixes: str) -> Callable[[str], Path]:
+    """Return an argument's type: a file that can be made, known before the work is done.
+
+    Args:
+        suffixes: with which it may end; none: any.
+    """
+
+    def read(text: str) -> Path:
+        path = Path(text)
+        if path.is_dir() or not path.parent.is_dir():
+            raise argparse.ArgumentTypeError(f"{text!r}; allowed: a file in a directory that is there")
+        if suffixes and path.suffix not in suffixes:
+            raise argparse.ArgumentTypeError(f"{text!r}; allowed: a file that ends in {', '.join(suffixes)}")
+        return path
+
+    return read
+
+
 def add_machine_option(parser: argparse.ArgumentParser, default: str = "c180") -> None:
     """Add `--machine`: a shipped name, or a machine file."""
     text = "machine, shipped or a file (default: %(default)s)"

@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 
+from forest_description.config.parameter import MachineError
 from forest_description.geometry.kinematics import tip_position
 from forest_description.hydraulics.pump import (
     ConstantFlowPump,
@@ -25,7 +26,7 @@ from forest_description.types import AXES, Floats, Vec3
 from forest_sim.analysis.run_summary import Summary
 from forest_sim.analysis.same_motion import following
 from forest_sim.simulation.energy_account import Account, account
-from forest_sim.simulation.open_loop import Run, blocks, whole
+from forest_sim.simulation.open_loop import Run, RunError, blocks, whole
 from forest_sim.simulation.voltage_profiles import Voltages
 from forest_sim.solver.state_recording import STATE
 
@@ -52,6 +53,18 @@ def with_pump(machine: Machine, sort: type[Any]) -> Machine:
     return dataclasses.replace(machine, pump=pump)
 
 
+def with_each_pump(machine: Machine) -> dict[type[Any], Machine]:
+    """Return the machine with a pump of each sort.
+
+    Raises:
+        RunError: its valves do not work with one of them.
+    """
+    try:
+        return {sort: with_pump(machine, sort) for sort in SORTS}
+    except MachineError as error:
+        raise RunError(f"{machine.name} does not run on each of the four pumps: {error}") from error
+
+
 @dataclasses.dataclass(frozen=True)
 class Comparison:
     """One motion on four pumps."""
@@ -71,14 +84,18 @@ def compare(machine: Machine, voltages: Voltages, angles: Vec3, run: Run) -> Com
         voltages: what drives it where its pump is a load-sensing one.
         angles: joint angles at the start [rad].
         run: how long and how finely.
+
+    Raises:
+        RunError: the machine's valves do not work with one of the sorts.
     """
     found = Comparison(np.zeros(0), {}, {}, {}, {})
-    led = with_pump(machine, REFERENCE)
+    variants = with_each_pump(machine)
+    led = variants[REFERENCE]
     reference = whole(led, voltages, angles, run)
     links = machine.manipulator.links
     tips = np.array([tip_position(row, links) for row in reference.states[:, ANGLES]])
-    for sort in SORTS:
-        variant, given = with_pump(machine, sort), voltages
+    for sort, variant in variants.items():
+        given = voltages
         if sort is not REFERENCE:
             given = following(variant, led, reference, run)
         summary, parts = Summary(variant), []

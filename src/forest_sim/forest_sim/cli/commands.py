@@ -39,6 +39,7 @@ from forest_sim.simulation.open_loop import (
     RunError,
     blocks,
     require_within_limits,
+    require_within_rating,
     start_angles,
     substeps,
 )
@@ -79,15 +80,15 @@ class Progress:
 
 
 def new_directory(out: Path) -> None:
-    """Make the directory for results.
+    """Make the directory for results, or take an empty one.
 
     Raises:
-        RunError: it is there already: results are never overwritten.
+        RunError: something is there already: results are never overwritten.
         OSError: it cannot be made.
     """
-    if out.exists():
+    if out.exists() and not (out.is_dir() and not any(out.iterdir())):
         raise RunError(f"{out} exists already; choose another --out or remove it")
-    out.mkdir(parents=True)
+    out.mkdir(parents=True, exist_ok=True)
 
 
 @contextlib.contextmanager
@@ -158,6 +159,7 @@ def _summarize(result: dict[str, Any], columns: Rows, machine: Machine, out: Pat
 def compare_pumps(machine: Machine, voltages: Voltages, angles: Vec3, run: Run, out: Path) -> int:
     """Run the same motion on the four types of pump; write table, picture and `pumps.json`."""
     substeps(run)
+    pump_comparison.with_each_pump(machine)
     new_directory(out)
     _warn_if_interpreted()
     comparison = pump_comparison.compare(machine, voltages, angles, run)
@@ -255,6 +257,7 @@ def _rest(machine: Machine, angles: Vec3) -> dict[str, Any]:
 
 def show_modes(machine: Machine, angles: Vec3, spools: Vec3, as_json: bool) -> int:
     """Print frequencies and damping ratios at a pose; with dry friction, of small and large oscillations."""
+    require_within_rating(machine, spools)
     p = plant_parameters(machine)
     told = with_pressed_seals(p, equilibrium(angles, p).plant)
     ends, swing = axes_with_friction(told), drive_limits(p)

@@ -11,6 +11,7 @@ from pathlib import Path
 
 from forest_description.config.parameter import MachineError
 from forest_description.config.source_tree import shipped_machines
+from forest_description.hydraulics.oil import COLDEST, HOTTEST
 from forest_description.types import AXES
 from forest_msgs_py.runtime import command_line
 from forest_msgs_py.runtime.command_line import (
@@ -22,6 +23,7 @@ from forest_msgs_py.runtime.command_line import (
     whole,
 )
 from forest_sim.cli.options import (
+    ZERO_CELSIUS,
     add_loads_option,
     add_pose_options,
     add_run_options,
@@ -82,7 +84,7 @@ def _command(
     parser.set_defaults(parser=parser)
     if name not in ("check", "compare"):
         add_machine_option(parser)
-    celsius = number(-60.0, 200.0, "degC")
+    celsius = number(COLDEST - ZERO_CELSIUS, HOTTEST - ZERO_CELSIUS, "degC")
     parser.add_argument(
         "--temperature", type=celsius, metavar="C", help="of all oil [degC]; default: the file's"
     )

@@ -95,6 +95,18 @@ def require_within_limits(machine: Machine, angles: Vec3) -> Vec3:
     return angles
 
 
+def require_within_rating(machine: Machine, spools: Vec3) -> None:
+    """Raise unless spools [V] are within what their valves are rated for.
+
+    Raises:
+        RunError: one is not; the message names it with its limit.
+    """
+    for axis, name in enumerate(AXES):
+        rated = machine.valve_of(axis).rated_voltage
+        if abs(spools[axis]) > rated:
+            raise RunError(f"{name}'s spool at {spools[axis]:g} V; allowed: up to {rated:g} V, its rating")
+
+
 def substeps(run: Run) -> int:
     """Return how many steps a period has.
 

@@ -87,6 +87,11 @@ def run(options: argparse.Namespace) -> int:
     new_directory(out)
     if "simulator" in names:
         names = list(MODULES)
+    for node, _ in options.set:
+        if node not in names:
+            raise GraphError(
+                f"--set {node}: this node is not run; allowed: {', '.join(names)}, or --nodes {node}"
+            )
     try:
         with BagReader(bag) as reader:
             last = reader.span[1]

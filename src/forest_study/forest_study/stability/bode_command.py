@@ -14,7 +14,7 @@ from forest_description.derived.limits import start_tip
 from forest_description.machine import Machine, load_machine
 from forest_description.types import AXES, Vec3
 from forest_msgs_py.runtime.command_line import add_machine_option, number
-from forest_sim.simulation.open_loop import start_angles
+from forest_sim.simulation.open_loop import require_within_rating, start_angles
 from forest_study.results import StudyError, new_directory, write_json
 from forest_study.stability.margins import Margins, margins
 from forest_study.stability.position_loop import FREQUENCY, PositionLoop, position_loop
@@ -59,13 +59,14 @@ def run(options: argparse.Namespace) -> int:
     """Print the margins, and write `bode.json` and `bode.png`; return the exit code.
 
     Raises:
-        StudyError: a pose out of reach, or a voltage that leaves a valve shut.
+        StudyError: a pose out of reach, or a voltage that leaves a valve shut or is beyond its rating.
     """
     machine = load_machine(options.machine)
     tips = [(x, y, z) for x, y, z in options.tip or [start_tip(machine)]]
     settings = with_gains_of(Settings(), options.profile) if options.profile else Settings()
     try:
         poses = [(tip, start_angles(machine, tip)) for tip in tips]
+        require_within_rating(machine, (options.voltage,) * 3)
         found = [
             _looked_at(machine, tip, angles, axis, options.voltage, settings)
             for tip, angles in poses
