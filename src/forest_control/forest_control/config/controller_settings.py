@@ -1,6 +1,7 @@
 """The controller's settings, and the parameters that its core takes from them and from the machine."""
 
 import math
+from functools import lru_cache
 from typing import Annotated, NamedTuple
 
 from forest_control.limits.actuator_speed_limits import SpeedLimitParameters, speed_limit_parameters
@@ -151,8 +152,9 @@ class Parameters(NamedTuple):
     sway: SwayParameters  # frequency 0: anti-sway is off, or nothing hangs
 
 
+@lru_cache(maxsize=64)
 def parameters(machine: Machine, settings: Settings, workspace: Workspace = OPEN) -> Parameters:
-    """Return the core's parameters for a machine and the walls around it."""
+    """Return the core's parameters for a machine and the walls around it, and keep them for the next run."""
     settings = with_rules(machine, settings)
     gains = _gains(machine, settings, 0), _gains(machine, settings, 1), _gains(machine, settings, 2)
     return Parameters(

@@ -161,26 +161,43 @@ def is_closed(path: TipPath) -> bool:
     return math.dist(path.at(0.0), path.at(path.length)) < SHORTEST
 
 
-def cross_track_distance(line: Floats, places: Floats) -> Floats:
-    """Return how far places [N, 3] m are from a line [M, 3] m, straight from point to point: [N] m.
+class Line(NamedTuple):
+    """A line, straight from point to point, as distances are taken from it."""
 
-    Only the pieces at the nearest points are looked at, so the points must be close together.
-    """
-    fresh = np.linalg.norm(np.diff(line, axis=0), axis=1) > 0.0
-    line = line[np.concatenate([[True], fresh])]
-    tree = scipy.spatial.cKDTree(line, balanced_tree=False)  # evenly spaced points need no medians
-    nearest = tree.query(places, k=range(1, min(NEIGHBOURS, len(line)) + 1))[1]
-    corners, tips = np.ascontiguousarray(line.T), np.ascontiguousarray(places.T)
-    pieces = np.diff(corners, axis=1) if len(line) > 1 else np.zeros((3, 1))
-    sizes = np.maximum(np.sum(pieces**2, axis=0), np.finfo(float).tiny)
+    tree: "scipy.spatial.cKDTree"  # of its points; named in quotes, for its import takes long
+    corners: Floats  # [3, M] m
+    pieces: Floats  # [3, M - 1] m, from each point to the next
+    sizes: Floats  # [M - 1] m^2 of the pieces
+
+
+def line_through(points: Floats) -> Line:
+    """Return the line through points [M, 3] m, which must be close together: see `distances_from`."""
+    fresh = np.linalg.norm(np.diff(points, axis=0), axis=1) > 0.0
+    points = points[np.concatenate([[True], fresh])]
+    tree = scipy.spatial.cKDTree(points, balanced_tree=False)  # evenly spaced points need no medians
+    corners = np.ascontiguousarray(points.T)
+    pieces = np.diff(corners, axis=1) if len(points) > 1 else np.zeros((3, 1))
+    return Line(tree, corners, pieces, np.maximum(np.sum(pieces**2, axis=0), np.finfo(float).tiny))
+
+
+def distances_from(line: Line, places: Floats) -> Floats:
+    """Return how far places [N, 3] m are from a line: [N] m; only pieces at its nearest points count."""
+    found = line.tree.query(places, k=range(1, min(NEIGHBOURS, line.tree.n) + 1))[1]
+    nearest = np.ascontiguousarray(found.T)
+    tips, last = np.ascontiguousarray(places.T), line.pieces.shape[1] - 1
     square: Floats = np.full(len(places), np.inf)
-    for start in np.clip(np.hstack([nearest - 1, nearest]), 0, pieces.shape[1] - 1).T:
-        piece, since = pieces.take(start, axis=1), tips - corners.take(start, axis=1)
-        share = np.einsum("ij,ij->j", since, piece) / sizes.take(start)
+    for start in np.clip(np.concatenate([nearest - 1, nearest]), 0, last):
+        piece, since = line.pieces.take(start, axis=1), tips - line.corners.take(start, axis=1)
+        share = np.einsum("ij,ij->j", since, piece) / line.sizes.take(start)
         since -= np.clip(share, 0.0, 1.0) * piece
         square = np.minimum(square, np.einsum("ij,ij->j", since, since))
     away: Floats = np.sqrt(square)
     return away
+
+
+def cross_track_distance(points: Floats, places: Floats) -> Floats:
+    """Return how far places [N, 3] m are from the line through points [M, 3] m: [N] m."""
+    return distances_from(line_through(points), places)
 
 
 def fastest(

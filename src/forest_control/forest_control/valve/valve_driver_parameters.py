@@ -5,6 +5,7 @@ cylinder; motor.
 """
 
 import math
+from functools import lru_cache
 from typing import Annotated, NamedTuple
 
 from forest_control.valve.inlet_oil import FreeAir, Holding, free_air, holding
@@ -117,8 +118,9 @@ class Parameters(NamedTuple):
     flows: tuple[FlowParameters, FlowParameters, FlowParameters]
 
 
+@lru_cache(maxsize=64)
 def parameters(machine: Machine, settings: Settings) -> Parameters:
-    """Return the core's parameters for a machine."""
+    """Return the core's parameters for a machine, and keep them for the next run."""
     line, beyond = machine.tank_line, settings.compensate and settings.beyond_valve
     return Parameters(
         axes=axis_drivers(

@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from forest_control.taught.tip_path import Profile, TipPath, cross_track_distance
+from forest_control.taught.tip_path import Line, Profile, TipPath, distances_from, line_through
 from forest_description.machine import Machine
 from forest_description.types import Floats
 from forest_msgs_py.types import PERIOD
@@ -42,6 +42,7 @@ class Drawn(NamedTuple):
 
     lap: Lap
     line: Floats  # [M, 3] m, the path as drawn
+    near: Line  # the same, as distances are taken from it
     ideal: Floats  # [N, 3] m, where the ideal point is from period to period; at last at the end
 
     def ideal_in(self, rows: range) -> Floats:
@@ -69,7 +70,7 @@ class Score(NamedTuple):
 class _Away(NamedTuple):
     """How far a tip was off in the rows of a lap."""
 
-    rows: range
+    rows: slice
     governed: Floats  # [N] m
     cross: Floats  # [N] m
     wish: Floats  # [N] m
@@ -82,7 +83,8 @@ def drawn(lap: Lap) -> Drawn:
     first = round(lap.start / PERIOD)
     end = math.ceil((lap.start + lap.profile.duration) / PERIOD) + 1
     times = PERIOD * np.arange(first, end, dtype=np.float64) - lap.start
-    return Drawn(lap, line_of(lap.path), ideal(lap.path, lap.profile, times))
+    line = line_of(lap.path)
+    return Drawn(lap, line, line_through(line), ideal(lap.path, lap.profile, times))
 
 
 def scores_of(laps: tuple[Drawn, ...], led: Led, machine: Machine) -> tuple[tuple[Score, ...], Score]:
@@ -101,21 +103,21 @@ def scores_of(laps: tuple[Drawn, ...], led: Led, machine: Machine) -> tuple[tupl
 
 def _away(one: Drawn, rows: range, end: int, governed: Floats, tips: Floats) -> _Away:
     """Return how far tips [N, 3] m were off in the rows of a lap whose rest lasts up to a row."""
-    lap, whole = one.lap, np.arange(rows[0], end)
-    times = PERIOD * np.arange(len(whole), dtype=np.float64)
+    lap, moving = one.lap, slice(rows.start, rows.stop)  # numpy would go through a range number by number
+    times = PERIOD * np.arange(end - rows.start, dtype=np.float64)
     return _Away(
-        rows=rows,
-        governed=governed[rows],
-        cross=cross_track_distance(one.line, tips[rows]),
-        wish=np.linalg.norm(tips[rows] - one.ideal_in(rows), axis=1),
-        lost=time_lost(lap.path, lap.profile, times, tips[whole]),
+        rows=moving,
+        governed=governed[moving],
+        cross=distances_from(one.near, tips[moving]),
+        wish=np.linalg.norm(tips[moving] - one.ideal_in(rows), axis=1),
+        lost=time_lost(lap.path, lap.profile, times, tips[rows.start : end]),
         end=math.dist(tips[end - 1], lap.path.at(lap.path.length)),
     )
 
 
 def _score(parts: list[_Away], moved: Trajectory, rated: Floats) -> Score:
     """Return the score of some laps: times are added, the greatest end counts."""
-    rows = np.concatenate([part.rows for part in parts])
+    rows = np.concatenate([np.arange(part.rows.start, part.rows.stop) for part in parts])
     governed, cross, wish = (
         deviation(np.concatenate([getattr(part, name) for part in parts]))
         for name in ("governed", "cross", "wish")
