@@ -12,7 +12,7 @@ from forest_description.derived.actuator_kinematics import (
     rated_speeds,
 )
 from forest_description.derived.limits import joint_limits
-from forest_description.geometry.linkage import cylinder_length
+from forest_description.geometry.linkage import cylinder_length, linkage_of
 from forest_description.machine import load_machine
 
 MACHINE, LOADER = load_machine("c180_hoses"), load_machine("loader")
@@ -58,7 +58,7 @@ def test_joint_rates_come_back_from_actuator_speeds():
 
 
 def test_dead_point_of_a_linkage_gives_no_rate_instead_of_an_error():
-    dead = MACHINE.boom.linkage._replace(angle_offset=0.0)
+    dead = linkage_of(*MACHINE.boom.linkage[:2], 0.0)
     assert actuator_speeds_to_joint_rates((0.0, 0.0, -1.5), (0.0, 0.1, 0.0), (dead, dead))[1] == 0.0
 
 

@@ -24,7 +24,7 @@ from forest_sim.analysis.modes import modes, slow_modes
 from forest_sim.cli.main import main
 from forest_sim.equations.multibody import HANGING_STILL, mechanics
 from forest_sim.equations.plant_parameters import plant_parameters
-from forest_sim.mechanics.friction import FRICTIONLESS, Friction, friction_force, friction_slope
+from forest_sim.mechanics.friction import FRICTIONLESS, Friction, friction_force, rubbing
 from forest_sim.simulation.open_loop import start_angles
 
 LOADER = load_machine("loader")
@@ -47,14 +47,14 @@ def test_the_equivalent_damper_takes_as_much_energy_as_the_friction(amplitude):
 
 
 def test_the_ends_are_the_slope_at_rest_and_coulombs_describing_function():
-    assert equivalent_damping(1e-7, SEALS) == pytest.approx(friction_slope(0.0, SEALS), rel=1e-6)
+    assert equivalent_damping(1e-7, SEALS) == pytest.approx(rubbing(0.0, SEALS).slope, rel=1e-6)
     assert equivalent_damping(5.0, SEALS) == pytest.approx(4.0 * 400.0 / (math.pi * 5.0), rel=1e-3)
     assert equivalent_damping(1.0, FRICTIONLESS) == 0.0
 
 
 def test_below_the_small_end_the_slope_holds_and_at_the_large_one_viscous_friction_is_as_strong():
     ends = amplitude_limits(SEALS, 5000.0)
-    slope = friction_slope(0.0, SEALS)
+    slope = rubbing(0.0, SEALS).slope
     assert 0.89 * slope < equivalent_damping(ends.small, SEALS) < 0.93 * slope
     assert equivalent_damping(2.0 * ends.small, SEALS) < 0.8 * slope
     assert equivalent_damping(ends.large, SEALS) == pytest.approx(5000.0, rel=1e-6)

@@ -21,7 +21,7 @@ from forest_sim.solver.oil_temperature import dissipated_power
 from forest_sim.solver.power_flows import AxisPower, PowerFlows, SupplyPower
 
 C180 = load_machine("c180_hoses")
-EMPTY = (0.0, 0.0)  # [Pa] in the chambers
+SMOOTH = 0.0  # [N] of dry friction
 HANGING = dataclasses.replace(
     C180, manipulator=dataclasses.replace(C180.manipulator, pendulum=Pendulum(1.1, 150.0, 400.0))
 )
@@ -83,9 +83,9 @@ def test_a_cushion_brakes_at_either_end(share, speed):
     axis = plant_parameters(dataclasses.replace(C180, boom=boom)).boom
     position = boom.retracted_length + share * boom.stroke
     depth = 1.0 - 0.01 * boom.stroke / 0.1
-    force = passive_force(position, speed, EMPTY, axis)
+    force = passive_force(position, speed, SMOOTH, axis)
     assert force == pytest.approx(-np.sign(speed) * 5e6 * depth**2 * speed**2)
-    assert passive_force(position, -speed, EMPTY, axis) == 0.0  # out of it the piston moves freely
+    assert passive_force(position, -speed, SMOOTH, axis) == 0.0  # out of it the piston moves freely
 
 
 @pytest.mark.parametrize("axis", [0, 1, 2])
@@ -127,14 +127,14 @@ def test_the_swings_stop_is_as_stiff_as_the_file_says_and_the_cylinders_as_their
     p, stops = plant_parameters(C180), C180.end_stops
     limits = (C180.swing.lower_limit, C180.swing.upper_limit)
     for at, sign in zip(limits, (-1.0, 1.0), strict=True):
-        force = passive_force(at + sign * 0.02, 0.0, EMPTY, p.swing)
+        force = passive_force(at + sign * 0.02, 0.0, SMOOTH, p.swing)
         assert force == pytest.approx(-sign * 0.02 * stops.swing_stiffness)
-        moving = passive_force(at + sign * 0.02, sign * 0.1, EMPTY, p.swing)
+        moving = passive_force(at + sign * 0.02, sign * 0.1, SMOOTH, p.swing)
         assert moving - force == pytest.approx(-sign * 0.1 * stops.swing_damping)
     for axis, drive in ((p.boom, C180.boom), (p.stick, C180.stick)):
-        force = passive_force(drive.retracted_length - 0.01, 0.0, EMPTY, axis)
+        force = passive_force(drive.retracted_length - 0.01, 0.0, SMOOTH, axis)
         assert force == pytest.approx(0.01 * stops.cylinder_stiffness)
-        assert passive_force(drive.retracted_length - 0.01, -0.1, EMPTY, axis) - force == pytest.approx(
+        assert passive_force(drive.retracted_length - 0.01, -0.1, SMOOTH, axis) - force == pytest.approx(
             0.1 * stops.cylinder_damping
         )
 

@@ -12,7 +12,7 @@ from forest_description.geometry.linkage import cylinder_length, joint_angle
 from forest_description.mechanics.drives import Friction
 from forest_sim.equations.plant_parameters import plant_parameters
 from forest_sim.mechanics.end_stop import UNCUSHIONED, CushionBrake, cushion_resistance
-from forest_sim.mechanics.friction import FRICTIONLESS, friction, friction_force, friction_slope
+from forest_sim.mechanics.friction import FRICTIONLESS, friction, friction_force, rubbing
 from forest_sim.solver.equilibrium import equilibrium
 
 LAW = friction(FRICTION)
@@ -46,14 +46,14 @@ def test_slope_is_the_forces():
     h = 1e-7
     for speed in (0.0, *np.random.default_rng(2).normal(0.0, 0.03, 200).tolist()):
         slope = (friction_force(speed + h, LAW) - friction_force(speed - h, LAW)) / (2.0 * h)
-        assert friction_slope(speed, LAW) == pytest.approx(slope, rel=1e-5, abs=1.0)
-    assert friction_slope(0.015, LAW) < 0.0 < friction_slope(0.0, LAW)
+        assert rubbing(speed, LAW).slope == pytest.approx(slope, rel=1e-5, abs=1.0)
+    assert rubbing(0.015, LAW).slope < 0.0 < rubbing(0.0, LAW).slope
 
 
 def test_no_friction_is_none():
     assert friction(None) == FRICTIONLESS
     for speed in (-1.0, 0.0, 1e-3):
-        assert friction_force(speed, FRICTIONLESS) == friction_slope(speed, FRICTIONLESS) == 0.0
+        assert friction_force(speed, FRICTIONLESS) == rubbing(speed, FRICTIONLESS).slope == 0.0
 
 
 def test_breaking_away_is_not_easier_than_sliding():

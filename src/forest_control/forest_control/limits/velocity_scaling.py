@@ -23,7 +23,7 @@ from typing import NamedTuple
 from forest_control.limits.workspace import NEGLIGIBLE_SPEED
 from forest_description.derived.actuator_kinematics import Linkages
 from forest_description.geometry.kinematics import Links
-from forest_description.geometry.linkage import Linkage, length_and_arm, lever_arm
+from forest_description.geometry.linkage import Linkage, length_and_arm, lever_arm, linkage_of
 from forest_description.types import Vec3
 
 NEGLIGIBLE_RATE = 1e-6  # [rad/s] up to this a joint does not count as moving: rounding must not stop others
@@ -72,7 +72,7 @@ class Axis(NamedTuple):
     closest: float  # [m]; not positive: as near as it likes
 
 
-_NO_LINKAGE = Linkage(2.0, 1.0, 0.0)  # its cylinder has a length at any angle
+_NO_LINKAGE = linkage_of(2.0, 1.0, 0.0)  # its cylinder has a length at any angle
 ENOUGH = Pumps(math.inf, (0.0, 0.0, 0.0), (0.0, 0.0, 0.0), (_NO_LINKAGE, _NO_LINKAGE))
 NO_STROKE = Stroke(_NO_LINKAGE, 0.0, 0.0)
 NO_AXIS = Axis(Links(0.0, 1.0, 1.0), 0.0)

@@ -19,11 +19,18 @@ from typing import NamedTuple
 
 
 class Linkage(NamedTuple):
-    """Geometry of one cylinder: pivot_to_base a [m], pivot_to_rod b [m], angle_offset φ [rad]."""
+    """Geometry of one cylinder, made by `linkage_of`."""
 
-    pivot_to_base: float
-    pivot_to_rod: float
-    angle_offset: float
+    pivot_to_base: float  # a [m]
+    pivot_to_rod: float  # b [m]
+    angle_offset: float  # φ [rad]
+    cosine: float  # of φ
+    sine: float  # of φ
+
+
+def linkage_of(pivot_to_base: float, pivot_to_rod: float, angle_offset: float) -> Linkage:
+    """Return the linkage of a [m], b [m] and φ [rad]."""
+    return Linkage(pivot_to_base, pivot_to_rod, angle_offset, math.cos(angle_offset), math.sin(angle_offset))
 
 
 def cylinder_length(angle: float, linkage: Linkage) -> float:
@@ -92,7 +99,7 @@ def length_and_arm(cosine: float, sine: float, linkage: Linkage) -> tuple[float,
     Thesis eq. 3.16, App. A, as `cylinder_length` and `lever_arm`.
     """
     product = linkage.pivot_to_base * linkage.pivot_to_rod
-    c, s = math.cos(linkage.angle_offset), math.sin(linkage.angle_offset)
+    c, s = linkage.cosine, linkage.sine
     squares = linkage.pivot_to_base * linkage.pivot_to_base + linkage.pivot_to_rod * linkage.pivot_to_rod
     length = math.sqrt(squares - 2.0 * product * (cosine * c - sine * s))
     return length, product * (sine * c + cosine * s) / length

@@ -11,7 +11,7 @@ from forest_description.config.parameter import (
     parameter,
     require_order,
 )
-from forest_description.geometry.linkage import Linkage, joint_angle
+from forest_description.geometry.linkage import Linkage, joint_angle, linkage_of
 from forest_description.hydraulics.hose import Hose
 from forest_description.hydraulics.load_holding_parameters import LoadHolding
 from forest_description.hydraulics.valve_parameters import Valve
@@ -240,4 +240,4 @@ class CylinderDrive(ParameterSet):
     @property
     def linkage(self) -> Linkage:
         """The constants of ``linkage.py``'s functions."""
-        return Linkage(self.pivot_to_base, self.pivot_to_rod, self.angle_offset)
+        return linkage_of(self.pivot_to_base, self.pivot_to_rod, self.angle_offset)

@@ -3,7 +3,7 @@
 import math
 from typing import NamedTuple
 
-from forest_description.geometry.linkage import Linkage
+from forest_description.geometry.linkage import Linkage, linkage_of
 from forest_description.hydraulics.oil import COLDEST, HOTTEST, SQUARE_MILLIMETRES, WALTHER_OFFSET, Oil
 from forest_description.hydraulics.valve_characteristic import ValveLaw
 from forest_description.machine import Machine
@@ -15,7 +15,7 @@ from forest_sim.hydraulics.oil_volume import OilVolume
 from forest_sim.hydraulics.supply import Supply
 from forest_sim.sensors.sensor_suite import KINDS
 
-STRAIGHT = Linkage(1.0, 1.0, 0.0)
+STRAIGHT = linkage_of(1.0, 1.0, 0.0)
 
 
 class Port(NamedTuple):

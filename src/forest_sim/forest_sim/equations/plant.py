@@ -105,22 +105,21 @@ def joint_torque(state: AxisState, transmission: Transmission, axis: Axis) -> fl
     """Return the torque [N m] of an axis' actuator and end stop on its joint. Thesis eq. 3.16, 3.18, 3.19."""
     speed = transmission.arm * state.rate
     force = actuator_force(speed, state.pressure_1, state.pressure_2, axis.actuator)
-    pressures = state.pressure_1, state.pressure_2
-    return transmission.arm * (force + passive_force(transmission.position, speed, pressures, axis))
+    friction = friction_force(speed, axis.friction, state.pressure_1, state.pressure_2)
+    return transmission.arm * (force + passive_force(transmission.position, speed, friction, axis))
 
 
-def passive_force(position: float, speed: float, pressures: Pair, axis: Axis) -> float:
+def passive_force(position: float, speed: float, friction: float, axis: Axis) -> float:
     """Return what dry friction, cushion and end stop do to the load [N; N m].
 
     Args:
         position: of the actuator [rad; m].
         speed: of the actuator [rad/s; m/s].
-        pressures: in its chambers [Pa].
+        friction: dry, at that speed [N; N m].
         axis: its constants.
     """
     braking = cushion_resistance(position, speed, axis.cushion) * abs(speed) * speed
-    rubbing = friction_force(speed, axis.friction, pressures[0], pressures[1])
-    return end_stop_force(position, speed, axis.stop) - braking - rubbing
+    return end_stop_force(position, speed, axis.stop) - braking - friction
 
 
 def accelerations(m: Mechanics, torques: Vec3) -> tuple[Vec3, Pair]:

@@ -55,8 +55,15 @@ def pressed(f: Friction, pressure_1: float, pressure_2: float) -> Friction:
     return Friction(grown * f.coulomb, grown * f.breakaway, f.stribeck_speed, f.smoothing_speed)
 
 
-def friction_force(speed: float, f: Friction, pressure_1: float = 0.0, pressure_2: float = 0.0) -> float:
-    """Return the friction [N], with the speed's sign (it opposes the motion).
+class Rubbing(NamedTuple):
+    """What friction does at a speed."""
+
+    force: float  # F [N], with the speed's sign: it opposes the motion
+    slope: float  # dF/du [N s/m]; negative where the Stribeck effect falls faster than the sign rises
+
+
+def rubbing(speed: float, f: Friction, pressure_1: float = 0.0, pressure_2: float = 0.0) -> Rubbing:
+    """Return the friction at a speed, and its slope.
 
     Args:
         speed: u [m/s].
@@ -65,29 +72,16 @@ def friction_force(speed: float, f: Friction, pressure_1: float = 0.0, pressure_
         pressure_2: of port 2 [Pa].
     """
     if f.breakaway == 0.0:
-        return 0.0
-    return (
-        _magnitude(speed, pressed(f, pressure_1, pressure_2))
-        * speed
-        / math.sqrt(speed * speed + f.smoothing_speed * f.smoothing_speed)
-    )
-
-
-def friction_slope(speed: float, f: Friction, pressure_1: float = 0.0, pressure_2: float = 0.0) -> float:
-    """Return dF/du [N s/m]; negative where the Stribeck effect falls faster than the sign rises.
-
-    Arguments as `friction_force`.
-    """
-    if f.breakaway == 0.0:
-        return 0.0
+        return Rubbing(0.0, 0.0)
     f = pressed(f, pressure_1, pressure_2)
     root = math.sqrt(speed * speed + f.smoothing_speed * f.smoothing_speed)
     ratio = speed / f.stribeck_speed
-    falling = (f.breakaway - f.coulomb) * math.exp(-ratio * ratio) * 2.0 * ratio / f.stribeck_speed
+    over = (f.breakaway - f.coulomb) * math.exp(-ratio * ratio)
+    magnitude, falling = f.coulomb + over, over * 2.0 * ratio / f.stribeck_speed
     sign_slope = f.smoothing_speed * f.smoothing_speed / (root * root * root)
-    return _magnitude(speed, f) * sign_slope - falling * speed / root
+    return Rubbing(magnitude * speed / root, magnitude * sign_slope - falling * speed / root)
 
 
-def _magnitude(speed: float, f: Friction) -> float:
-    ratio = speed / f.stribeck_speed
-    return f.coulomb + (f.breakaway - f.coulomb) * math.exp(-ratio * ratio)
+def friction_force(speed: float, f: Friction, pressure_1: float = 0.0, pressure_2: float = 0.0) -> float:
+    """Return the friction [N] alone; arguments as `rubbing`."""
+    return rubbing(speed, f, pressure_1, pressure_2).force

@@ -17,7 +17,7 @@ from forest_sim.hydraulics.load_holding import Restriction, restriction
 from forest_sim.hydraulics.oil_law import held_above_vapour, is_near
 from forest_sim.hydraulics.oil_volume import StageHose, filled_share, stage_hose
 from forest_sim.mechanics.end_stop import cushion_resistance, end_stop_resistance
-from forest_sim.mechanics.friction import friction_force, friction_slope
+from forest_sim.mechanics.friction import Rubbing, rubbing
 from forest_sim.mechanics.manipulator import Pair
 from forest_sim.stage.holding_stage import first_flow, held_hose, next_flow
 
@@ -45,7 +45,7 @@ class AxisSolution(NamedTuple):
     known: Pair  # pressures of both sides before the stage's flows [Pa]
     swept: Pair  # oil that port 1 takes and port 2 gives per actuator speed [m^2; m^3/rad]
     lines: tuple[Line, Line]  # as the stage took them: with the chambers' capacitance, the hoses' resistance
-    friction: Pair  # dry friction, which torque and resistance have in them [N], and its slope [N s/m]
+    friction: Rubbing  # which torque and resistance have in them
 
 
 def solve_axis(
@@ -254,8 +254,8 @@ def _solution(
     """Return what both hoses do to the joint."""
     a, speed = axis.actuator, t.arm * rate
     stiffness = a.displacement_1 * swept[0] * one.stiffness + a.displacement_2 * swept[1] * two.stiffness
-    pressures = one.pressure, two.pressure
-    passive = passive_force(t.position, speed, pressures, axis)
+    friction = rubbing(speed, axis.friction, one.pressure, two.pressure)
+    passive = passive_force(t.position, speed, friction.force, axis)
     force = actuator_force(speed, one.pressure, two.pressure, a) + passive
     return AxisSolution(
         rate=rate,
@@ -263,19 +263,16 @@ def _solution(
         one=one,
         two=two,
         torque=t.arm * force,
-        resistance=t.arm * t.arm * _resistance(speed, t, stiffness, pressures, axis, h),
+        resistance=t.arm * t.arm * _resistance(speed, t, stiffness, friction, axis, h),
         known=(hose_1.pressure, hose_2.pressure),
         swept=swept,
         lines=(hose_1.line, hose_2.line),
-        friction=(
-            friction_force(speed, axis.friction, pressures[0], pressures[1]),
-            friction_slope(speed, axis.friction, pressures[0], pressures[1]),
-        ),
+        friction=friction,
     )
 
 
 def _resistance(
-    speed: float, t: Transmission, stiffness: float, pressures: Pair, axis: Axis, h: float
+    speed: float, t: Transmission, stiffness: float, friction: Rubbing, axis: Axis, h: float
 ) -> float:
     """Return -dF/du [N s/m; N m s/rad] of an actuator within a stage, the oil's stiffness first.
 
@@ -288,7 +285,7 @@ def _resistance(
         stiffness
         + a.linear_resistance
         + 2.0 * braking * abs(speed)
-        + friction_slope(speed, axis.friction, pressures[0], pressures[1])
+        + friction.slope
         + end_stop_resistance(t.position, speed, axis.stop, h)
     )
 

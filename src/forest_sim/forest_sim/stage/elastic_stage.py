@@ -17,7 +17,8 @@ from forest_sim.equations.elastic_links import NO_ROOT, ElasticLaws, Roots, Root
 from forest_sim.equations.plant import PlantState, at_joints
 from forest_sim.equations.plant_parameters import PlantParameters
 from forest_sim.mechanics.elasticity import ElasticLink, elastic_torque
-from forest_sim.mechanics.friction import FRICTIONLESS, Friction, friction_force, friction_slope
+from forest_sim.mechanics.friction import FRICTIONLESS, Friction, rubbing
+from forest_sim.mechanics.manipulator import Pair
 from forest_sim.stage.drive_stage import DriveSolution
 from forest_sim.stage.supply_stage import SupplyError
 
@@ -124,7 +125,7 @@ def _solve_link(
     excess = give * (link.inertia * (root_rate - base.rate) + h * (passed - torque))
     if rub.friction.breakaway > 0.0:
         turning = rubbing_rate(root_rate - excess, root_rate, give * h, rub)
-        give /= max(LEAST_GIVE, 1.0 + give * h * rub_resistance(turning, rub))
+        give /= max(LEAST_GIVE, 1.0 + give * h * rubbed(turning, rub)[1])
         excess = root_rate - turning
     share = give * h * stiff
     return DriveSolution(
@@ -136,14 +137,10 @@ def _solve_link(
     )
 
 
-def rub_torque(rate: float, rub: Rub) -> float:
-    """Return what friction takes from the torque on a root [N m] at its rate [rad/s]."""
-    return rub.arm * friction_force(rub.arm * rate, rub.friction)
-
-
-def rub_resistance(rate: float, rub: Rub) -> float:
-    """Return d(friction's torque)/d(rate) [N m s] at a root's rate [rad/s]."""
-    return rub.arm * rub.arm * friction_slope(rub.arm * rate, rub.friction)
+def rubbed(rate: float, rub: Rub) -> Pair:
+    """Return what friction takes from the torque on a root [N m] at its rate [rad/s], and its slope there."""
+    at = rubbing(rub.arm * rate, rub.friction)
+    return rub.arm * at.force, rub.arm * rub.arm * at.slope
 
 
 def rubbing_rate(free: float, guess: float, give: float, rub: Rub) -> float:
@@ -162,7 +159,7 @@ def rubbing_rate(free: float, guess: float, give: float, rub: Rub) -> float:
     rate, torque, resistance = guess, rub.torque, rub.resistance
     if not low <= guess <= high:
         rate = min(high, max(low, guess))
-        torque, resistance = rub_torque(rate, rub), rub_resistance(rate, rub)
+        torque, resistance = rubbed(rate, rub)
     for _ in range(RUB_ITERATIONS):
         off = rate + give * torque - free
         if off > 0.0:
@@ -175,7 +172,7 @@ def rubbing_rate(free: float, guess: float, give: float, rub: Rub) -> float:
             rate -= newton
             break
         rate = rate - newton if low < rate - newton < high else 0.5 * (low + high)
-        torque, resistance = rub_torque(rate, rub), rub_resistance(rate, rub)
+        torque, resistance = rubbed(rate, rub)
     return rate
 
 

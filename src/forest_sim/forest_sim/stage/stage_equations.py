@@ -156,9 +156,8 @@ def _drive_train(
 
 def _rub(axis: AxisSolution, arm: float, constants: Axis) -> Rub:
     """Return the dry friction of a solved axis."""
-    force, slope = axis.friction
-    friction = pressed(constants.friction, axis.one.pressure, axis.two.pressure)
-    return Rub(friction, arm, torque=arm * force, resistance=arm * arm * slope)
+    friction, here = pressed(constants.friction, axis.one.pressure, axis.two.pressure), axis.friction
+    return Rub(friction, arm, torque=arm * here.force, resistance=arm * arm * here.slope)
 
 
 def equations_again(
