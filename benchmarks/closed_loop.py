@@ -15,19 +15,15 @@ from typing import Any
 
 import numpy as np
 
-from forest_control.config import controller_settings
 from forest_control.servo.schemes import Scheme
 from forest_control.valve import valve_driver_parameters
 from forest_description.geometry.kinematics import inverse_kinematics
 from forest_description.machine import Machine, load_machine
 from forest_msgs_py.types import PERIOD
-from forest_sim.equations.plant_parameters import plant_parameters
 from forest_study.closed_loop import compiled_loop, loop_kernel, model_mismatch
-from forest_study.closed_loop.closed_loop import ClosedLoop
 from forest_study.tracking import tracking
 from forest_study.tracking.paths import NAMES, path_named
 from forest_study.tracking.track_runs import Variation, run_many
-from forest_study.tracking.tracking import Course
 
 DRIVE = valve_driver_parameters.Settings(adapt=True)
 HEAD = (
@@ -54,7 +50,9 @@ def compare(machine: Machine, name: str, repeats: int) -> Row:
     whole = [_timed(lambda: given().lead(course.places, course.hand)) for _ in range(repeats)]
     prepared = given()
     alone = [_timed(lambda: prepared.lead(course.places, course.hand))[0] for _ in range(repeats)]
-    python, slow = _timed(lambda: interpreted(machine, course, start, suite))
+    given_python = len(rows), start, course.settings, DRIVE, machine, suite, None
+    in_python = compiled_loop.interpreted(machine, *given_python, fast=False)  # but for the plant
+    python, slow = _timed(lambda: in_python.lead(course.places, course.hand))
     assert (whole[0][1].moved.tip == slow.moved.tip).all(), "both loops must give the same figures"
     fastest = min(took for took, _ in whole)
     return {
@@ -66,18 +64,6 @@ def compare(machine: Machine, name: str, repeats: int) -> Row:
         "ratio": python / fastest,
         "plan_seconds": plan,
     }
-
-
-def interpreted(
-    machine: Machine, course: Course, start: tuple[float, float, float], suite: Any
-) -> compiled_loop.Led:
-    """Return the same run in Python; only the plant is compiled."""
-    believed = (
-        controller_settings.parameters(machine, course.settings),
-        valve_driver_parameters.parameters(machine, DRIVE),
-    )
-    loop, links = ClosedLoop(plant_parameters(machine), *believed, start, suite), machine.manipulator.links
-    return compiled_loop.Interpreted(loop, links, len(course.places) + 1).lead(course.places, course.hand)
 
 
 def many(machine: Machine, count: int) -> Row:

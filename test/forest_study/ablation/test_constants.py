@@ -17,12 +17,12 @@ print(schemes.ERROR_LAG, coordinated_servo.ERROR_LAG, settings.control.lead)
 print(schemes.REST_RATE, coordinated_servo.REST_RATE)
 """
 GAINS = """
-from forest_control.servo.gain_rule import gains_by_rule
+from forest_control.config.controller_settings import Settings, parameters
 from forest_description.machine import load_machine
 from forest_study.ablation.constants import changed
-before = gains_by_rule(load_machine("c180_hoses"))
+before = parameters(load_machine("c180_hoses"), Settings())
 changed({"servo.gain_rule.HIGHEST_GAIN": (1.0, 1.0, 1.0)})
-print(before.feedback[1], gains_by_rule(load_machine("c180_hoses")).feedback[1])
+print(before.gains[1].feedback, parameters(load_machine("c180_hoses"), Settings()).gains[1].feedback)
 """
 AT_RUNTIME = """
 from forest_study.ablation.constants import at_runtime, changed

@@ -62,8 +62,8 @@ def test_a_run_in_machine_code_has_the_figures_of_the_python_loop(course, monkey
     np.testing.assert_array_equal(session.led.clock, python.led.clock)
 
 
-def test_so_has_one_whose_joystick_is_slow_and_coarse(course):
-    slow = course._replace(hand=Hand(0.5, 10.0, 4, 127.0))
+def test_so_has_one_whose_joystick_is_slow_and_coarse_and_whose_machine_takes_long_steps(course):
+    slow = course._replace(hand=Hand(0.5, 10.0, 4, 127.0), substeps=2)
     compiled, python = (
         tracking.follow(slow, C180, tracking.noisy(C180, 3), compiled=way) for way in (True, False)
     )

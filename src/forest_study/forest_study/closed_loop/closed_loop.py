@@ -169,6 +169,7 @@ class ClosedLoop:
         ways: quality of the links.
         late: answers that do not come within their period.
         fast: controller and driver are machine code, where that has been made.
+        substeps: of the machine, to a period.
     """
 
     def __init__(
@@ -181,8 +182,9 @@ class ClosedLoop:
         ways: Links = PERFECT,
         late: Lateness = IN_TIME,
         fast: bool = False,
+        substeps: int = SUBSTEPS,
     ) -> None:
-        self._plant, self._drive = p, drive
+        self._plant, self._drive, self._substeps = p, drive, substeps
         rest = equilibrium(start, p)
         self._sensors = SensorRun(rest, p, control.links, suite, NOMINAL)
         self._simulation, self._advance = until_first_report(rest, p), compiled_advance()
@@ -247,7 +249,8 @@ class ClosedLoop:
 
     def _move(self, volts: Vec3) -> None:
         """Move the machine over a period under the valves' voltages [V]."""
-        self._simulation = self._advance(self._simulation, volts, PERIOD / SUBSTEPS, SUBSTEPS, self._plant)
+        step = PERIOD / self._substeps
+        self._simulation = self._advance(self._simulation, volts, step, self._substeps, self._plant)
 
     def _hear(self, joystick: Joystick, now: float) -> None:
         """Have the controller hear what has come of the joystick."""

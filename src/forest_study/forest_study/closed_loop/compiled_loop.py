@@ -282,15 +282,18 @@ def interpreted(
     model: Machine,
     suite: Suite | None,
     plant: PlantParameters | None,
+    substeps: int = loop_core.SUBSTEPS,
+    fast: bool = True,
 ) -> Interpreted:
-    """Return a session of so many rows at most; arguments as `prepared`."""
+    """Return a session of so many rows at most; arguments as `prepared`, `fast` as of `ClosedLoop`."""
     loop = ClosedLoop(
         plant_parameters(machine) if plant is None else plant,
         controller_settings.parameters(model, control),
         valve_driver_parameters.parameters(model, drive),
         start,
         sensor_suite.sensor_suite(machine) if suite is None else suite,
-        fast=True,
+        fast=fast,
+        substeps=substeps,
     )
     return Interpreted(loop, machine.manipulator.links, rows)
 

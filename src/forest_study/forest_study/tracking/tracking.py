@@ -145,9 +145,9 @@ def follow(
     drive = course.drive._replace(adapt=adapt)
     for most in LONGEST:
         rows = round(most * len(course.places))
-        given = start, course.settings, drive, course.model, suite, plant
+        given = start, course.settings, drive, course.model, suite, plant, course.substeps
         if compiled:
-            begun = compiled_loop.prepared(machine, np.ones((rows, 4)), *given, course.substeps)
+            begun = compiled_loop.prepared(machine, np.ones((rows, 4)), *given)
             led = begun.lead(course.places, course.hand)
         else:
             led = compiled_loop.interpreted(machine, rows, *given).lead(course.places, course.hand)
