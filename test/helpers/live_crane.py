@@ -5,6 +5,10 @@ time [s] from the joystick's first sample | levers, deadman held
 .. REST                                   | deflected, rocking: the fault begins and heals here
 .. AGAIN                                  | at rest: the deliberate act
 .. ENDS                                   | deflected again
+then                                      | the last two once more, and again: `ACTS` in all
+
+A computer that keeps the machine's state back for 0.1 s in an act disarms the levers, as it should. So a
+person who finds the crane standing centres them again. That one act is enough offline runs claim.
 """
 
 from __future__ import annotations
@@ -35,6 +39,7 @@ from forest_msgs_py.serialization.unpacking import ArrayReader
 MACHINE = "c180"
 LINKS = load_machine(MACHINE).manipulator.links
 BEGUN, REST, AGAIN, ENDS = 2.5, 7.0, 7.8, 9.3  # [s]
+ACTS = 3
 LATEST = 4.8  # [s] for a fault to begin
 KEPT, A_SECOND = 5000, 200  # messages; of the machine's state
 MET = 30.0  # [s]
@@ -43,13 +48,19 @@ Rows = list[tuple[float, Any]]  # when it was sent [s, time.time], and what
 
 
 def write_levers(
-    path: Path, begun: float = BEGUN, rest: float = REST, again: float = AGAIN, ends: float = ENDS
+    path: Path,
+    begun: float = BEGUN,
+    rest: float = REST,
+    again: float = AGAIN,
+    ends: float = ENDS,
+    acts: int = 1,
 ) -> Path:
     """Write the levers: the swing's rocks, the stick's stays deflected, so that they are never centred."""
     rows = []
-    for k in range(round((ends - LEAD_IN) / 0.1)):
+    for k in range(round((rest + acts * (ends - rest) - LEAD_IN) / 0.1)):
         time_s = LEAD_IN + k / 10
-        goes = begun <= time_s < rest or time_s >= again
+        of_act = time_s if time_s < ends else rest + (time_s - ends) % (ends - rest)
+        goes = begun <= of_act < rest or of_act >= again
         rows.append(f"{k / 10:.1f},{0.4 * math.sin(math.pi * k / 10) * goes:.4f},0,{0.1 * goes}")
     path.write_text("\n".join(["time_s,swing,boom,stick", *rows, ""]))
     return path
@@ -123,7 +134,7 @@ class LiveCrane:
 
     def __init__(self, start: Callable[..., Any], ears: Ears, folder: Path) -> None:
         self.start, self.ears, self.folder = start, ears, folder
-        levers = write_levers(folder / "levers.csv")
+        levers = write_levers(folder / "levers.csv", acts=ACTS)
         self._words = "--machine", MACHINE, "--joystick", str(levers), "--record", str(folder / "bag")
         self.specs = {spec.name: spec for spec in graph_nodes(parse_options(self._words))}
         self.graph: Any = None
@@ -166,8 +177,22 @@ class LiveCrane:
 
     def until_moving(self) -> None:
         """Wait until the valves are open, early enough that what follows is over before the levers rest."""
-        self.until(lambda: self.ears.volts and any(self.ears.volts[-1][1]))
-        assert time.time() < self.played() + LATEST, f"the computer is too slow:\n{self.text()}"
+        latest = self.played() + LATEST
+        self.until(lambda: self._opened_at() > 0.0 or time.time() >= latest)
+        assert time.time() < latest, f"the computer is too slow:\n{self.text()}"
+
+    def until_acted(self) -> None:
+        """Wait until it moves after a deliberate act, or all acts are over."""
+        over = REST + ACTS * (ENDS - REST) - 0.3  # before the joystick has played to its end
+        self.until(
+            lambda: self._opened_at() >= self.played() + AGAIN or time.time() >= self.played() + over,
+            MET + over,
+        )
+
+    def _opened_at(self) -> float:
+        """Return when the newest voltages, that open a valve, were sent [s, time.time]; -inf: they do not."""
+        at, volts = self.ears.volts[-1] if self.ears.volts else (0.0, ())
+        return at if any(volts) else -math.inf
 
     def begin(self) -> None:
         """Note that the fault begins here."""

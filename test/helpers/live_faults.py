@@ -19,7 +19,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from graph_processes import kill
-from live_crane import REST, LiveCrane, Outcome
+from live_crane import LiveCrane, Outcome
 
 NEVER = math.inf
 BEGINS, LASTS = 3.3, 1.0  # [s] the fault begins up to LASTS later than BEGINS, by chance
@@ -59,7 +59,7 @@ def supervised(act: Callable[[LiveCrane], float]) -> Callable[[LiveCrane, float]
         lasts = act(crane)
         healed = time.time() + lasts
         if crane.graph.poll() is None:
-            crane.until_time(REST + 2.0)
+            crane.until_acted()
         return healed
 
     return do
@@ -152,7 +152,7 @@ def by_hand(order: Sequence[Sequence[str]], pause: float) -> Callable[[LiveCrane
             crane.begin()
             for name in names:
                 crane.start_node(name)
-        crane.until_time(REST + 2.0)
+        crane.until_acted()
         return time.time()
 
     return do
@@ -172,7 +172,7 @@ def restarted(node: str) -> Callable[[LiveCrane, float], float]:
         crane.processes[node].stop(signal.SIGKILL)
         crane.start_node(node, *(("-p", f"output:={crane.folder / 'anew'}") if node == "recorder" else ()))
         healed = time.time() + LASTS  # it is there sooner; nothing moves before a deliberate act
-        crane.until_time(REST + 2.0)
+        crane.until_acted()
         return healed
 
     return do
