@@ -306,3 +306,7 @@ def test_each_thing_that_is_wrong_is_told_by_its_joint():
         "machine file: stick goes 3.5 times as fast as commanded",
         "machine file: the pressures bear less than boom and stick weigh",
     ]
+    turned = [
+        wrong for wrong in range(10) if "of one sign" in objection(FileCheck(wrong=wrong, answers=answers))
+    ]
+    assert turned == [3, 4, 5]  # of what only goes at another rate no wires are exchanged

@@ -116,6 +116,25 @@ def test_a_glitch_of_the_supplys_transducer_or_none_shuts_no_valve():
     assert valve_driver.is_unfed(state._replace(unfed=valve_driver.UNFED))
 
 
+@pytest.mark.parametrize("machine", [C180, LOADER], ids=["constant pressure", "load sensing"])
+def test_a_supply_under_0_7_of_what_it_was_in_this_motion_shuts_the_valves(machine):
+    """A pump that flickers: its line does not empty in between."""
+    p = parameters(machine)
+    idle = p.idle_pressure / min(2e6, 0.5 * p.idle_pressure)
+    fell, good = [(2.0, 0.69 * idle)] * 10, (2.0, idle)
+    for steps, shuts in (
+        ([good, *fell], True),
+        ([good, *fell[:9], good], False),
+        ([fell[0], good, *fell], True),
+        ([good, *[(2.0, 0.71 * idle)] * 20], False),
+        ([(2.0, 2.0 * idle), *[(2.0, 0.71 * idle)] * 20], False),  # more than at idle is a load's
+        ([(2.0, math.nan), good, *fell], True),
+        ([good, (0.0, idle), *fell, *fell], False),  # a relief valve that was set low at rest
+    ):
+        told, _ = driven(steps, p)
+        assert (told[-1] == ZERO) == shuts, steps
+
+
 @pytest.mark.parametrize("port", [1, 2])
 @pytest.mark.parametrize(
     ("axis", "apart", "believed"),

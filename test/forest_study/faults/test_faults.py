@@ -3,15 +3,20 @@
 import json
 import math
 
+import numpy as np
 import pytest
 
+from forest_description.geometry.kinematics import tip_position
 from forest_description.machine import load_machine
+from forest_msgs_py.types import PERIOD
 from forest_study import cli
-from forest_study.faults import faults_command
+from forest_study.faults import faults_command, wires
 from forest_study.faults.catalogue import FAULTS
 from forest_study.faults.fault import Bound, State
 from forest_study.faults.fault_report import broken, table, worst
-from forest_study.faults.trials import Outcome, trial
+from forest_study.faults.faulty_loop import Wires
+from forest_study.faults.scenes import BEGUN, ByHand
+from forest_study.faults.trials import NO_FAULT, Outcome, trial
 
 MACHINE = load_machine("c180")
 WELL = Outcome(
@@ -43,6 +48,18 @@ CELLS = [
 def test_a_fault_keeps_its_bound(name, state, seed):
     fault = FAULTS[name]
     assert broken(fault.bounds[state], trial(fault, state, seed, MACHINE)) == []
+
+
+def test_a_pump_that_fails_three_times_a_second_throws_no_tip():
+    crane, tips = ByHand(MACHINE, State.MOTION, Wires(NO_FAULT, 0, 0.0, 0), 0), []
+    good = crane._loop._plant
+    for k in range(400):
+        failed = k >= 200 and (k - 200) // 33 % 2 == 0
+        crane._loop._set_plant(wires.no_supply(crane._loop.simulation, good)[1] if failed else good)
+        angles = crane.period(True, k * PERIOD > BEGUN).angles
+        tips.append(tip_position(angles, MACHINE.manipulator.links))
+    assert crane.told().startswith("the supply is under")
+    assert np.linalg.norm(np.diff(tips, axis=0), axis=1).max() / PERIOD < 1.2 * 0.5 + 0.1
 
 
 def test_a_trial_repeats_to_the_last_bit():

@@ -55,11 +55,12 @@ Holds = tuple[HoldState, HoldState, HoldState]
 HOLD_COMMAND = 1e-6  # [V] below which the actuator is to be held: above the servo's `HOLD_RATE` as a voltage
 SOONEST = 0.0025  # [s] between two commands at the least, whatever the stamps say: half a period
 GONE = 2e6  # [Pa] of the supply, or half of what it keeps at idle, under which no pump runs; chosen
+FELL = 0.7  # [1] of what a pump gave in a motion; 0.8 stops a sound c180 thrown at 1.5 m/s; chosen
 UNFED = 0.048  # [s] without pressure at the pump, ten samples: a glitch stops nothing
 FORGOTTEN = 0.3  # [s] time constant with which a late voltage is forgotten; chosen, not measured
 NO_PUMP = (
-    f"the supply is under {GONE * 1e-6:g} MPa, or half of its idle pressure: no pump, or no transducer; "
-    "the valves stay shut until nothing is commanded"
+    f"the supply is under {GONE * 1e-6:g} MPa, or half of its idle pressure, or {FELL:g} of what it was: "
+    "no pump, or no transducer; the valves stay shut until nothing is commanded"
 )
 
 
@@ -75,6 +76,7 @@ class State(NamedTuple):
     phase: float = 0.0  # of the dither, in turns; zero while all valves are shut: equal openings are alike
     estimates: ValveEstimates = (NO_ESTIMATE, NO_ESTIMATE, NO_ESTIMATE)
     ahead: float = 0.0  # [s] for how long a voltage may stay in force
+    given: float = 0.0  # [Pa] most of the supply since nothing was commanded, up to its idle pressure
     unfed: float = 0.0  # [s] for which the pump has given nothing; from `UNFED` on the valves stay shut
 
 
@@ -126,7 +128,8 @@ def step(
     """
     state = state._replace(
         load=updated_load(state.load, pressures, motion, p, dt),
-        unfed=_unfed(state, command, pressures.supply < min(GONE, 0.5 * p.idle_pressure), dt),
+        given=_given(state.given, command, min(pressures.supply, p.idle_pressure)),
+        unfed=_unfed(state, command, pressures.supply, p, dt),
     )
     if dt > 0.0:
         state = _moved_on(state, p, dt)
@@ -153,9 +156,16 @@ def step(
     )
 
 
-def _unfed(before: State, command: Vec3, is_gone: bool, dt: float) -> float:
+def _given(before: float, command: Vec3, supply: float) -> float:
+    """Return the most [Pa] that the pump has given since nothing was commanded."""
+    if command == ZERO:
+        return 0.0
+    return max(before, supply)
+
+
+def _unfed(before: State, command: Vec3, supply: float, p: Parameters, dt: float) -> float:
     """Return for how long the pump has given nothing [s], or gave nothing while this was commanded."""
-    if is_gone:
+    if supply < max(min(GONE, 0.5 * p.idle_pressure), FELL * before.given):
         return before.unfed + dt
     return before.unfed if is_unfed(before) and command != ZERO else 0.0
 
