@@ -61,6 +61,21 @@ def test_what_goes_three_times_as_strongly_against_its_command_is_named_soon(joi
     assert is_overloaded(gone(rates, volts, most, u))
 
 
+@pytest.mark.parametrize(
+    ("joint", "times", "seconds"),
+    [(0, 1.0, 0.3), (1, 1.0, 0.067), (1, 10.0, 0.067), (2, 1.0, 0.067), (2, 10.0, 0.067)],
+)
+def test_however_well_boom_or_stick_has_gone_it_is_named_as_soon_as_it_goes_back(joint, times, seconds):
+    """But a swing's good ways count: a log sways it to and fro."""
+    rate = 3.0 * math.sqrt((2e-3, 1e-3, 2e-3)[joint])
+    overload, late = Overload(), 0
+    for k in range(300):
+        v = -rate if k >= 200 else times * rate
+        overload = watched(overload, at(joint, rate), at(joint, v), at(joint, 3.0), UNLADEN, P, PERIOD)
+        late += k >= 200 and not goes_back(overload, joint)
+    assert late * PERIOD == pytest.approx(seconds, abs=0.006)
+
+
 def rocked(joint, gain, late, u, frequency, seconds):
     """Tell whether a joint that rocks with its command, late by a part of the period, was ever named."""
     overload = Overload()

@@ -10,12 +10,13 @@ valve throws the tip. So the valves are shut, and a person must want to move aga
 | V | voltage of the joint's valve, as the driver says | V |
 | u, v | commanded and measured joint rate | rad/s |
 | w | u behind a low-pass of `OIL` and the spool's lag; 0: the valve is shut | rad/s |
-| product | mean of w v over `TOGETHER` | rad^2/s^2 |
+| product | mean of w v over `TOGETHER`; of boom and stick at most `AGAINST` | rad^2/s^2 |
 | owed | what it has not gone with it: integral of abs u - abs v / `ANSWERS`, of low-passed u and v | rad |
 | since | how long it has owed something | s |
 
 A joint that rocks on its oil is almost half a period behind its command, and w up to a quarter: so w and v
-agree. Behind a valve that is wired the other way they do not, whether the joint rocks or goes.
+agree. Behind a valve that is wired the other way they do not, whether the joint rocks or goes. However well
+boom or stick have gone before, they are named as soon. A log sways its swing to and fro: good ways count.
 
 A boom that bears as much as the pump does sinks while a person puts its load down, and a servo that would
 have it slower opens the valve against that. So there only a valve that is wide open counts; and where no
@@ -187,7 +188,8 @@ def _asked(before: Overload, u: Vec3, voltages: Vec3, i: int, p: Parameters, dt:
 def _product(before: Overload, asked: Vec3, rates: Vec3, counts: bool, i: int, dt: float) -> float:
     """Return the mean product of one joint [rad^2/s^2]."""
     now = asked[i] * rates[i] if counts else 0.0
-    return before.products[i] + (1.0 - math.exp(-dt / TOGETHER[i])) * (now - before.products[i])
+    mean = before.products[i] + (1.0 - math.exp(-dt / TOGETHER[i])) * (now - before.products[i])
+    return mean if i == 0 else min(AGAINST[i], mean)
 
 
 def is_overloaded(overload: Overload) -> bool:
