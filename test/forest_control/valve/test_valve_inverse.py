@@ -21,7 +21,7 @@ from forest_description.hydraulics.valve_characteristic import opening_at, strok
 from forest_description.machine import load_machine
 
 REAL = load_machine("c180")
-PLAIN = load_machine(str(Path(__file__).parents[3] / "docs/pictures/plain_sections.yaml"))
+PLAIN = load_machine(str(Path(__file__).parents[3] / "docs/studies/plain_sections.yaml"))
 P = with_unlike_ways(valve_driver_parameters.parameters(REAL, Settings()))
 SUPPLY, TANK = 17e6, 6e5
 MACHINES = (PLAIN, REAL, load_machine("forwarder"))

@@ -30,7 +30,7 @@ from forest_sim.solver.equilibrium import equilibrium
 from forest_sim.solver.state_recording import ENERGY, STATE
 
 C180 = load_machine("c180_hoses")
-REAL = load_machine(Path(__file__).parents[3] / "docs/pictures/elastic_links.yaml")
+REAL = load_machine(Path(__file__).parents[3] / "docs/studies/elastic_links.yaml")
 LINKS = C180.manipulator.links
 SHUT = (0.0, 0.0, 0.0)
 LEVEL, HANGING = (0.0, 0.9, -0.9), (0.0, 0.0, -0.5 * math.pi)  # the stick; the boom, its stick plumb

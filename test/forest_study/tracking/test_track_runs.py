@@ -256,7 +256,7 @@ def test_without_llvm_the_command_says_what_to_install(tmp_path, capsys, monkeyp
 
 def test_plain_valves_on_a_load_sensing_pump_lower_through_counterbalance_valves_as_told():
     """The driver took for its own what those valves throttle: 77 mm RMS along this path, in place of 8."""
-    machine = load_machine(str(Path(__file__).parents[3] / "docs/pictures/plain_sections.yaml"))
+    machine = load_machine(str(Path(__file__).parents[3] / "docs/studies/plain_sections.yaml"))
     course = tracking.prepare(path_named("radial"), 0.5, Scheme.COORDINATED, machine)
     (run,), _ = run_many(course, machine, [0], lambda seed: Variation(tracking.noisy(machine, seed), None))
     assert run.total.governed_rms_mm < 20.0
