@@ -5,7 +5,7 @@ import pytest
 
 from forest_control.config import controller_settings
 from forest_control.pipeline.controller import to_voltage
-from forest_control.safety.frozen_sensor import MOVING, Stillness, frozen, is_frozen, watched
+from forest_control.safety.frozen_sensor import MOVING, Stillness, frozen, is_frozen, updated_stillness
 from forest_description.machine import load_machine
 from forest_description.types import AXES
 
@@ -22,7 +22,7 @@ def after(seconds, rates, angles):
     still = MOVING
     for step in range(round(seconds / DT)):
         s = angles(step * DT)
-        still = watched(still, s, to_voltage(rates, s, P), P, DT)
+        still = updated_stillness(still, s, to_voltage(rates, s, P), P, DT)
         assert is_frozen(still) == bool(frozen(still))
         if frozen(still):
             return step * DT, frozen(still)
@@ -62,7 +62,7 @@ def test_to_and_fro_counts_as_way_in_both_directions(joint):
     still = MOVING
     for step in range(60):
         sign = (-1.0) ** (step // 5)
-        still = watched(still, START, to_voltage((sign * 0.1,) * 3, START, P), P, DT)
+        still = updated_stillness(still, START, to_voltage((sign * 0.1,) * 3, START, P), P, DT)
     assert still.ways[joint] == pytest.approx(59 * DT * 0.1)
     assert frozen(still)
 
@@ -71,9 +71,9 @@ def test_a_sample_that_differs_clears_its_own_joint_alone():
     still, command = MOVING, to_voltage((0.1, 0.1, 0.1), START, P)
     for joint in range(3):
         for _ in range(10):
-            still = watched(still, START, command, P, DT)
+            still = updated_stillness(still, START, command, P, DT)
         moved = tuple(angle + (i == joint) * 1e-12 for i, angle in enumerate(START))
-        after_it = watched(still, moved, command, P, DT)
+        after_it = updated_stillness(still, moved, command, P, DT)
         for other in range(3):
             assert (after_it.ways[other] == 0.0) == (after_it.times[other] == 0.0) == (other == joint)
 

@@ -9,7 +9,14 @@ from forest_control.config import controller_settings
 from forest_control.limits.load_weighing import UNREAD as NO_PRESSURES
 from forest_control.safety import machine_answers, machine_file_check
 from forest_control.safety.machine_answers import NO_ANSWERS, Answers
-from forest_control.safety.machine_file_check import PROVEN, STRANGE, FileCheck, is_wrong, objection, watched
+from forest_control.safety.machine_file_check import (
+    PROVEN,
+    STRANGE,
+    FileCheck,
+    is_wrong,
+    objection,
+    updated_check,
+)
 from forest_control.safety.overloaded_joint import Overload, commanded_rates
 from forest_control.servo.joint_angle_filter import UNREAD
 from forest_description.geometry.linkage import cylinder_length
@@ -21,7 +28,7 @@ C180 = load_machine("c180_hoses")
 P = controller_settings.parameters(C180, controller_settings.Settings())
 ANGLES = (0.0, 0.5, -1.4)
 LONG_OPEN = (9.0, 9.0, 9.0)  # [s] for which valves have been open
-NO_OVERLOAD = Overload(opened=LONG_OPEN)
+NO_OVERLOAD = Overload(open_time=LONG_OPEN)
 FITTING = cylinder_length(ANGLES[1], P.linkages[0]), cylinder_length(ANGLES[2], P.linkages[1])
 
 
@@ -32,7 +39,9 @@ def after(
     voltages = tuple(opens * (volts + math.copysign(1.1, volts)) if volts else 0.0 for volts in command)
     for _ in range(round(seconds / PERIOD)):
         u = commanded_rates(ANGLES, command, P)
-        check = watched(check, ANGLES, rates, lengths, u, voltages, overload, pressures, math.nan, P, PERIOD)
+        check = updated_check(
+            check, ANGLES, rates, lengths, u, voltages, overload, pressures, math.nan, P, PERIOD
+        )
     return check
 
 
@@ -88,7 +97,7 @@ def test_a_joint_that_has_proven_right_is_not_asked_again(joint, side):
 
 
 def test_a_joint_that_sinks_before_it_has_proven_right_is_the_file_s():
-    overload = Overload(products=(0.0, -1.0, 0.0))
+    overload = Overload(agreement=(0.0, -1.0, 0.0))
     up = (0.0, 3.0, 0.0)
     assert after(FileCheck(), PERIOD, command=up, overload=overload).wrong == machine_file_check.POLARITY + 1
     assert not is_wrong(after(FileCheck(), PERIOD, overload=overload))  # others have the valves
@@ -129,7 +138,9 @@ def look(
     overload=NO_OVERLOAD, pressures=NO_PRESSURES, supply=math.nan,
 ):  # fmt: skip
     """One sample of a crane whose joints are unlike."""
-    return watched(check, ANGLES, rates, lengths, u, voltages, overload, pressures, supply, UNLIKE, PERIOD)
+    return updated_check(
+        check, ANGLES, rates, lengths, u, voltages, overload, pressures, supply, UNLIKE, PERIOD
+    )
 
 
 def test_a_swing_that_goes_back_faster_than_its_valve_would_lead_it_is_pulled():
@@ -145,8 +156,8 @@ def test_a_swing_that_goes_back_faster_than_its_valve_would_lead_it_is_pulled():
 def test_a_way_counts_once_the_pump_has_had_its_time(joint):
     slow = UNLIKE._replace(speed_limits=UNLIKE.speed_limits._replace(build_up=0.3))
     for opened, counts in ((0.31, True), (0.29, False), (-0.31, True), (-0.29, False), (0.0, False)):
-        over = Overload(opened=at(joint, opened))
-        found = watched(
+        over = Overload(open_time=at(joint, opened))
+        found = updated_check(
             UNASKED,
             ANGLES,
             at(joint, 0.1),
@@ -207,7 +218,7 @@ def test_a_joint_has_proven_right_after_15_mrad_and_is_wrong_after_as_many_the_o
 
 @every_joint
 def test_only_a_joint_that_was_asked_and_has_not_proven_right_is_wrong_by_going_back(joint):
-    back = Overload(products=at(joint, -1.0))
+    back = Overload(agreement=at(joint, -1.0))
     assert look(FileCheck(ways=at(joint, 0.0149)), overload=back).wrong == 3 + joint
     assert not is_wrong(look(FileCheck(ways=at(joint, 0.015)), overload=back))
     assert not is_wrong(look(u=at(joint, 0.0, 0.2), overload=back))
@@ -225,7 +236,7 @@ def test_only_a_joint_that_was_asked_and_has_not_proven_right_is_wrong_by_going_
     ],
 )
 def test_a_pressure_of_nine_tenths_of_the_pump_s_excuses_the_boom_alone(volts, pressures, joint, wrong):
-    back = Overload(products=at(joint, -1.0))
+    back = Overload(agreement=at(joint, -1.0))
     told = tuple(share * UNLIKE.speed_limits.supply_pressure for share in pressures)
     assert is_wrong(look(overload=back, voltages=(5.0, volts, 5.0), pressures=told)) == wrong
 
@@ -274,7 +285,7 @@ LOW, KEPT = 0.94 * UNLIKE.speed_limits.idle_pressure, 0.96 * UNLIKE.speed_limits
 
 @every_joint
 def test_what_is_judged_without_the_pump_s_pressure_is_the_supply_s(joint):
-    back = Overload(products=at(joint, -1.0))
+    back = Overload(agreement=at(joint, -1.0))
     for supply, starved in ((LOW, True), (KEPT, False), (math.nan, False)):
         judged = look(FileCheck(fitted=True), overload=back, supply=supply)
         assert (judged.wrong, judged.starved) == (3 + joint, starved)

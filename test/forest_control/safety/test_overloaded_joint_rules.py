@@ -16,7 +16,7 @@ from forest_control.safety.overloaded_joint import (
     is_overloaded,
     objection,
     opens,
-    watched,
+    updated_overload,
 )
 from forest_description.geometry.linkage import lever_arm
 from forest_description.machine import load_machine
@@ -32,7 +32,7 @@ UNLADEN = (0.0, 0.0)
 def gone(rates, volts, seconds, u=ZERO, pressures=UNLADEN):
     overload = Overload()
     for _ in range(round(seconds / PERIOD)):
-        overload = watched(overload, u, rates, volts, pressures, P, PERIOD)
+        overload = updated_overload(overload, u, rates, volts, pressures, P, PERIOD)
     return overload
 
 
@@ -71,7 +71,9 @@ def test_however_well_boom_or_stick_has_gone_it_is_named_as_soon_as_it_goes_back
     overload, late = Overload(), 0
     for k in range(300):
         v = -rate if k >= 200 else times * rate
-        overload = watched(overload, at(joint, rate), at(joint, v), at(joint, 3.0), UNLADEN, P, PERIOD)
+        overload = updated_overload(
+            overload, at(joint, rate), at(joint, v), at(joint, 3.0), UNLADEN, P, PERIOD
+        )
         late += k >= 200 and not goes_back(overload, joint)
     assert late * PERIOD == pytest.approx(seconds, abs=0.006)
 
@@ -85,7 +87,7 @@ def rocked(joint, gain, late, u, frequency, seconds):
             tuple(x if i == joint else 0.0 for i in range(3))
             for x in (u * now, gain * u * later, math.copysign(3.0, now))
         )
-        overload = watched(overload, told, rates, volts, UNLADEN, P, PERIOD)
+        overload = updated_overload(overload, told, rates, volts, UNLADEN, P, PERIOD)
         if goes_back(overload, joint):
             return True
     return False
@@ -140,12 +142,12 @@ def test_a_joint_that_stands_behind_an_open_valve_is_named(joint, name, side):
 
 
 BEFORE = Overload(
-    asked=(0.11, 0.12, -0.13),
-    products=(1e-4, -1e-4, 2e-4),
-    owed=(0.01, 0.012, 0.014),
-    since=(0.1, 0.12, 0.14),
-    gone=(0.02, 0.03, -0.04),
-    told=(0.25, 0.35, -0.45),
+    lagged_command=(0.11, 0.12, -0.13),
+    agreement=(1e-4, -1e-4, 2e-4),
+    deficit=(0.01, 0.012, 0.014),
+    deficit_time=(0.1, 0.12, 0.14),
+    filtered_rate=(0.02, 0.03, -0.04),
+    filtered_command=(0.25, 0.35, -0.45),
 )
 OPENED, U = (6.0, 5.0, 4.0), (0.3, 0.4, 0.5)
 TOGETHER = 0.4, 0.3, 0.3  # [s]
@@ -153,7 +155,7 @@ every_joint = pytest.mark.parametrize("joint", [0, 1, 2])
 
 
 def step(before=BEFORE, u=U, rates=(-0.05, -0.06, -0.07), voltages=OPENED):
-    return watched(before, u, rates, voltages, UNLADEN, UNLIKE, PERIOD)
+    return updated_overload(before, u, rates, voltages, UNLADEN, UNLIKE, PERIOD)
 
 
 def test_a_command_asks_each_joint_for_its_share_of_the_rated_speed():
@@ -175,23 +177,23 @@ def test_a_valve_opens_beyond_its_overlap_on_either_side(joint):
 def test_a_joint_owes_what_it_was_told_less_ten_times_what_it_goes():
     gone = [
         before + (1.0 - math.exp(-PERIOD / 0.1)) * (v - before)
-        for before, v in zip(BEFORE.gone, (-0.05, -0.06, -0.07), strict=True)
+        for before, v in zip(BEFORE.filtered_rate, (-0.05, -0.06, -0.07), strict=True)
     ]
     found = step()
-    assert found.gone == pytest.approx(gone)
+    assert found.filtered_rate == pytest.approx(gone)
     told = [
         before + (1.0 - math.exp(-PERIOD / 0.1)) * (u - before)
-        for before, u in zip(BEFORE.told, U, strict=True)
+        for before, u in zip(BEFORE.filtered_command, U, strict=True)
     ]
-    assert found.told == pytest.approx(told)
+    assert found.filtered_command == pytest.approx(told)
     owed = [
         before + (abs(u) - 10.0 * abs(v)) * PERIOD
-        for before, u, v in zip(BEFORE.owed, told, gone, strict=True)
+        for before, u, v in zip(BEFORE.deficit, told, gone, strict=True)
     ]
-    assert found.owed == pytest.approx(owed)
-    other = BEFORE._replace(told=(-0.25, -0.35, 0.45))
-    assert step(other, u=(-0.3, -0.4, -0.5), voltages=(-6.0, -5.0, -4.0)).owed == pytest.approx(owed)
-    assert found.since == pytest.approx([before + PERIOD for before in BEFORE.since])
+    assert found.deficit == pytest.approx(owed)
+    other = BEFORE._replace(filtered_command=(-0.25, -0.35, 0.45))
+    assert step(other, u=(-0.3, -0.4, -0.5), voltages=(-6.0, -5.0, -4.0)).deficit == pytest.approx(owed)
+    assert found.deficit_time == pytest.approx([before + PERIOD for before in BEFORE.deficit_time])
 
 
 @every_joint
@@ -200,15 +202,15 @@ def test_a_joint_owes_nothing_behind_a_shut_valve_or_without_a_command_or_once_i
         {"voltages": at(joint, 0.45, 5.0)},
         {"u": at(joint, 0.0, 0.5)},
         {"u": at(joint, -0.5, 0.5)},
-        {"before": BEFORE._replace(gone=at(joint, 9.0))},
+        {"before": BEFORE._replace(filtered_rate=at(joint, 9.0))},
     ):
         found = step(**changed)
-        assert [owed == 0.0 for owed in found.owed] == [i == joint for i in range(3)]
-        assert [since == 0.0 for since in found.since] == [i == joint for i in range(3)]
+        assert [owed == 0.0 for owed in found.deficit] == [i == joint for i in range(3)]
+        assert [since == 0.0 for since in found.deficit_time] == [i == joint for i in range(3)]
 
 
 def test_what_a_joint_owes_counts_from_below_zero_by_its_spool_s_lag():
-    assert step(before=Overload(), rates=ZERO).since == pytest.approx([PERIOD - lag for lag in LAGS])
+    assert step(before=Overload(), rates=ZERO).deficit_time == pytest.approx([PERIOD - lag for lag in LAGS])
 
 
 def test_a_load_sensing_pump_rises_by_its_margin_in_its_response_time():
@@ -226,13 +228,13 @@ SLOW_PUMP = UNLIKE._replace(speed_limits=UNLIKE.speed_limits._replace(build_up=0
 @pytest.mark.parametrize("side", [1.0, -1.0])
 def test_a_valve_counts_as_fed_once_it_was_open_to_one_side_for_as_long_as_the_pump_needs(joint, side):
     def opened(before, volts):
-        over = BEFORE._replace(opened=before)
-        return watched(over, U, ZERO, at(joint, side * volts), UNLADEN, SLOW_PUMP, PERIOD)
+        over = BEFORE._replace(open_time=before)
+        return updated_overload(over, U, ZERO, at(joint, side * volts), UNLADEN, SLOW_PUMP, PERIOD)
 
-    told = opened(at(joint, side * 0.1), 5.0).opened[joint]
+    told = opened(at(joint, side * 0.1), 5.0).open_time[joint]
     assert told == pytest.approx(side * (0.1 + PERIOD))
-    assert opened(at(joint, -side * 0.1), 5.0).opened[joint] == pytest.approx(side * PERIOD)
-    assert opened(at(joint, side * 0.1), 0.45).opened == ZERO
+    assert opened(at(joint, -side * 0.1), 5.0).open_time[joint] == pytest.approx(side * PERIOD)
+    assert opened(at(joint, side * 0.1), 0.45).open_time == ZERO
     for before, fed in ((0.301, True), (0.294, False)):
         assert is_fed(opened(at(joint, side * before), 5.0), joint, SLOW_PUMP) == fed
     assert not is_fed(opened(ZERO, 0.0), joint, UNLIKE)
@@ -241,20 +243,24 @@ def test_a_valve_counts_as_fed_once_it_was_open_to_one_side_for_as_long_as_the_p
 @every_joint
 @pytest.mark.parametrize(("opened", "counts"), [(0.301, True), (0.29, False)])
 def test_times_count_once_the_pump_has_had_its_time(joint, opened, counts):
-    over = BEFORE._replace(opened=at(joint, opened, 0.5))
-    found = watched(over, U, (-0.05, -0.06, -0.07), OPENED, UNLADEN, SLOW_PUMP, PERIOD)
-    assert found.since[joint] == pytest.approx(BEFORE.since[joint] + (PERIOD if counts else 0.0))
-    forgotten = BEFORE.products[joint] * math.exp(-PERIOD / TOGETHER[joint])
-    assert (found.products[joint] == pytest.approx(forgotten)) != counts
+    over = BEFORE._replace(open_time=at(joint, opened, 0.5))
+    found = updated_overload(over, U, (-0.05, -0.06, -0.07), OPENED, UNLADEN, SLOW_PUMP, PERIOD)
+    assert found.deficit_time[joint] == pytest.approx(
+        BEFORE.deficit_time[joint] + (PERIOD if counts else 0.0)
+    )
+    forgotten = BEFORE.agreement[joint] * math.exp(-PERIOD / TOGETHER[joint])
+    assert (found.agreement[joint] == pytest.approx(forgotten)) != counts
 
 
 @every_joint
 @pytest.mark.parametrize("side", [1.0, -1.0])
 def test_a_joint_that_pays_what_it_owes_has_only_started_late(joint, side):
-    late = Overload(owed=at(joint, 0.04), since=at(joint, 0.4), told=at(joint, 0.4 * side))
-    assert is_overloaded(late._replace(gone=at(joint, 0.039 * side)))
-    assert not is_overloaded(late._replace(gone=at(joint, 0.041 * side)))
-    assert is_overloaded(late._replace(gone=at(joint, -0.041 * side)))  # it goes back
+    late = Overload(
+        deficit=at(joint, 0.04), deficit_time=at(joint, 0.4), filtered_command=at(joint, 0.4 * side)
+    )
+    assert is_overloaded(late._replace(filtered_rate=at(joint, 0.039 * side)))
+    assert not is_overloaded(late._replace(filtered_rate=at(joint, 0.041 * side)))
+    assert is_overloaded(late._replace(filtered_rate=at(joint, -0.041 * side)))  # it goes back
 
 
 def test_what_trembles_is_no_command_that_a_joint_could_owe():
@@ -263,7 +269,7 @@ def test_what_trembles_is_no_command_that_a_joint_could_owe():
         side = 1.0 if k % 40 < 20 else -1.0  # 5 Hz
         volts, u = (tuple(side * x for x in of) for of in (wide, (0.05, 0.05, 0.05)))
         rates = (0.012 * side, 0.012 * side, 0.012 * side)
-        overload = watched(overload, u, rates, volts, UNLADEN, P, PERIOD)
+        overload = updated_overload(overload, u, rates, volts, UNLADEN, P, PERIOD)
         assert not is_overloaded(overload)
 
 
@@ -273,14 +279,14 @@ def test_a_product_is_of_the_command_behind_a_low_pass_of_50_ms_and_the_spool_s_
         found = step(voltages=volts)
         w = [
             before + (1.0 - math.exp(-PERIOD / (0.05 + lag))) * (now - before)
-            for before, now, lag in zip(BEFORE.asked, asked, LAGS, strict=True)
+            for before, now, lag in zip(BEFORE.lagged_command, asked, LAGS, strict=True)
         ]
-        assert found.asked == pytest.approx(w)
+        assert found.lagged_command == pytest.approx(w)
         now = [x * v for x, v in zip(w, (-0.05, -0.06, -0.07), strict=True)] if volts == OPENED else ZERO
-        assert found.products == pytest.approx(
+        assert found.agreement == pytest.approx(
             [
                 before + (1.0 - math.exp(-PERIOD / long)) * (product - before)
-                for before, long, product in zip(BEFORE.products, TOGETHER, now, strict=True)
+                for before, long, product in zip(BEFORE.agreement, TOGETHER, now, strict=True)
             ]
         )
 
@@ -299,7 +305,9 @@ def test_a_product_is_of_the_command_behind_a_low_pass_of_50_ms_and_the_spool_s_
 )
 def test_the_bounds_of_an_overload(joint, times, owed, since, said):
     least = (2e-3, 1e-3, 2e-3)[joint]
-    overload = Overload(products=at(joint, times * least), owed=at(joint, owed), since=at(joint, since))
+    overload = Overload(
+        agreement=at(joint, times * least), deficit=at(joint, owed), deficit_time=at(joint, since)
+    )
     assert is_overloaded(overload) == bool(said)
     assert [goes_back(overload, i) for i in range(3)] == [i == joint and "back" in said for i in range(3)]
     begin = f"overload: {('swing', 'boom', 'stick')[joint]} {said}"
@@ -312,6 +320,6 @@ def test_whether_a_valve_is_wide_is_told_by_the_boom_s_own(side):
     wide = edge + 0.4 * (RATED[1] - edge)
     for volts, counts in ((wide + 1e-3, True), (wide - 1e-3, False)):
         opened = at(1, side * volts, 5.0)
-        found = watched(BEFORE, U, (-0.05, -0.06, -0.07), opened, UNREAD, UNLIKE, PERIOD)
-        forgotten = BEFORE.products[1] * math.exp(-PERIOD / 0.3)
-        assert (found.products[1] == pytest.approx(forgotten)) != counts
+        found = updated_overload(BEFORE, U, (-0.05, -0.06, -0.07), opened, UNREAD, UNLIKE, PERIOD)
+        forgotten = BEFORE.agreement[1] * math.exp(-PERIOD / 0.3)
+        assert (found.agreement[1] == pytest.approx(forgotten)) != counts

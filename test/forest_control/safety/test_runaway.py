@@ -5,7 +5,7 @@ import math
 import pytest
 
 from forest_control.config import controller_settings
-from forest_control.safety.runaway import Runaway, objection, runs_away, watched
+from forest_control.safety.runaway import Runaway, objection, runs_away, updated_runaway
 from forest_description.machine import load_machine
 from forest_description.types import AXES, ZERO
 from forest_msgs_py.types import PERIOD
@@ -18,7 +18,7 @@ EDGE = 1.0  # [V] of its overlap
 def after(seconds, rates, voltages=ZERO, before=None):
     runaway = before or Runaway()
     for k in range(round(seconds / PERIOD)):
-        runaway = watched(runaway, rates(k * PERIOD), voltages, P, PERIOD)
+        runaway = updated_runaway(runaway, rates(k * PERIOD), voltages, P, PERIOD)
     return runaway
 
 
@@ -73,7 +73,7 @@ def test_what_rocks_on_its_oil_or_leaks_is_not_named():
 
 def test_a_joint_that_turns_round_begins_anew():
     there = after(1.1, lambda _t: (0.3, 0.0, 0.0))
-    back = watched(there, (-0.3, 0.0, 0.0), ZERO, P, PERIOD)
+    back = updated_runaway(there, (-0.3, 0.0, 0.0), ZERO, P, PERIOD)
     assert back.ways[0] == pytest.approx(-0.3 * PERIOD)
     assert (back.times[0], back.firsts[0]) == (PERIOD, 0.3)
     assert not runs_away(after(1.1, lambda _t: (-0.3, 0.0, 0.0), before=back))
@@ -82,7 +82,7 @@ def test_a_joint_that_turns_round_begins_anew():
 
 @pytest.mark.parametrize("rates", [(0.0499, 0.0, 0.0), ZERO])
 def test_a_joint_that_stands_or_creeps_begins_anew(rates):
-    assert watched(after(0.39, lambda _t: (0.3, 0.0, 0.0)), rates, ZERO, P, PERIOD) == Runaway()
+    assert updated_runaway(after(0.39, lambda _t: (0.3, 0.0, 0.0)), rates, ZERO, P, PERIOD) == Runaway()
 
 
 def test_each_side_of_a_valve_has_its_own_overlap():
@@ -92,7 +92,7 @@ def test_each_side_of_a_valve_has_its_own_overlap():
     uneven = axes[0]._replace(valve=wide)
     p = P._replace(speed_limits=P.speed_limits._replace(axes=(uneven, *axes[1:])))
     for volts, shut in ((EDGE, True), (EDGE + 0.5, False), (-EDGE - 0.5, True), (-2.1, False)):
-        gone = watched(Runaway(), (0.3, 0.0, 0.0), (volts, 0.0, 0.0), p, PERIOD)
+        gone = updated_runaway(Runaway(), (0.3, 0.0, 0.0), (volts, 0.0, 0.0), p, PERIOD)
         assert (gone != Runaway()) == shut
 
 
@@ -105,5 +105,5 @@ def test_zero_volts_are_shut_whatever_the_edges_are():
     p = P._replace(speed_limits=P.speed_limits._replace(axes=(under, *axes[1:])))
     runaway = Runaway()
     for _ in range(240):
-        runaway = watched(runaway, (0.3, 0.0, 0.0), ZERO, p, PERIOD)
+        runaway = updated_runaway(runaway, (0.3, 0.0, 0.0), ZERO, p, PERIOD)
     assert runs_away(runaway)

@@ -34,7 +34,7 @@ class Stillness(NamedTuple):
 MOVING = Stillness((0.0, 0.0, 0.0), (0.0, 0.0, 0.0), (0.0, 0.0, 0.0))
 
 
-def watched(before: Stillness, s: Vec3, command: Vec3, p: Parameters, dt: float) -> Stillness:
+def updated_stillness(before: Stillness, s: Vec3, command: Vec3, p: Parameters, dt: float) -> Stillness:
     """Return the stillness after a sample.
 
     Args:

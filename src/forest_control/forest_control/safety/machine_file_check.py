@@ -64,7 +64,7 @@ class FileCheck(NamedTuple):
     starved: bool = False  # what is wrong was judged without the pump's pressure
 
 
-def watched(
+def updated_check(
     before: FileCheck,
     angles: Vec3,
     rates: Vec3,

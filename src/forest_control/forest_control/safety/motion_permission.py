@@ -298,19 +298,19 @@ def updated_checks(
     """
     still = before.still
     if not guard.noise_free:
-        still = frozen_sensor.watched(before.still, state.angles, command, p, dt)
+        still = frozen_sensor.updated_stillness(before.still, state.angles, command, p, dt)
     u = overloaded_joint.commanded_rates(state.angles, command, p)
-    overload = overloaded_joint.watched(
+    overload = overloaded_joint.updated_overload(
         before.overload, u, state.rates, driver.voltages, state.boom_pressures, p, dt
     )
-    gone = before.runaway
+    by_itself = before.runaway
     if driver.received > -math.inf:  # of a driver that has never spoken no valve is known to be shut
-        gone = runaway.watched(before.runaway, state.rates, driver.voltages, p, dt)
+        by_itself = runaway.updated_runaway(before.runaway, state.rates, driver.voltages, p, dt)
     return Checks(
         still=still,
         driver=driver_response.response(before.driver, driver, command, now),
         overload=overload,
-        file=machine_file_check.watched(
+        file=machine_file_check.updated_check(
             before.file,
             state.angles,
             state.rates,
@@ -325,7 +325,7 @@ def updated_checks(
         ),
         last_overload=before.last_overload,
         let_go=before.let_go,
-        runaway=gone,
+        runaway=by_itself,
     )
 
 

@@ -10,9 +10,9 @@ valve throws the tip. So the valves are shut, and a person must want to move aga
 | V | voltage of the joint's valve, as the driver says | V |
 | u, v | commanded and measured joint rate | rad/s |
 | w | u behind a low-pass of `OIL` and the spool's lag; 0: the valve is shut | rad/s |
-| product | mean of w v over `TOGETHER`; of boom and stick at most `AGAINST` | rad^2/s^2 |
-| owed | what it has not gone with it: integral of abs u - abs v / `ANSWERS`, of low-passed u and v | rad |
-| since | how long it has owed something | s |
+| agreement | mean of w v over `TOGETHER`; of boom and stick at most `AGAINST` | rad^2/s^2 |
+| deficit | what it has not gone with it: integral of abs u - abs v / `ANSWERS`, of low-passed u and v | rad |
+| deficit time | how long there has been one | s |
 
 A joint that rocks on its oil is almost half a period behind its command, and w up to a quarter: so w and v
 agree. Behind a valve that is wired the other way they do not, whether the joint rocks or goes. However well
@@ -41,22 +41,24 @@ TOGETHER = (0.4, 0.3, 0.3)  # [s] of the means: joints rock on their oil, and lo
 AGAINST = (2e-3, 1e-3, 2e-3)  # [rad^2/s^2] of the mean of -w v; a log that sways gave a swing 1e-3
 BORNE = 0.9  # [1] of the pump's pressure in the side that is fed, from which a load presses the boom back
 WIDE = 0.4  # [1] of the way from the overlap's edge to the rated voltage, from which it counts all the same
-OWED = 0.03  # [rad] twice what a joint owes that goes: 0.014 of the forwarder's swing, 0.011 in the matrix
+OWED = (
+    0.03  # [rad] twice the deficit of a joint that goes: 0.014 of the forwarder's swing, 0.011 in the matrix
+)
 OWED_LAG = 0.1  # [s] of both low-passes: what rocks at 4 Hz on its oil is no answer, what trembles no command
-ANSWERS = 0.1  # [1] of u, at which a joint owes no more
-STARTS = 0.3  # [s] a joint may owe more at a step of its lever: spool and oil take so long, at any rate
+ANSWERS = 0.1  # [1] of u, at which a deficit grows no more
+STARTS = 0.3  # [s] the deficit may be greater at a step of its lever: spool and oil take so long, at any rate
 
 
 class Overload(NamedTuple):
     """Of swing, boom, stick, since each last went with its valve, or had it shut."""
 
-    asked: Vec3 = ZERO  # w [rad/s]
-    products: Vec3 = ZERO  # [rad^2/s^2]
-    owed: Vec3 = ZERO  # [rad]
-    since: Vec3 = ZERO  # [s]
-    gone: Vec3 = ZERO  # v, low-passed [rad/s]
-    told: Vec3 = ZERO  # u, likewise
-    opened: Vec3 = ZERO  # [s] since the valve opened to this side, signed by it
+    lagged_command: Vec3 = ZERO  # w [rad/s]
+    agreement: Vec3 = ZERO  # [rad^2/s^2]
+    deficit: Vec3 = ZERO  # [rad]
+    deficit_time: Vec3 = ZERO  # [s]
+    filtered_rate: Vec3 = ZERO  # v, low-passed [rad/s]
+    filtered_command: Vec3 = ZERO  # u, likewise
+    open_time: Vec3 = ZERO  # [s] since the valve opened to this side, signed by it
 
 
 def commanded_rates(angles: Vec3, command: Vec3, p: Parameters) -> Vec3:
@@ -80,7 +82,7 @@ def borne(voltages: Vec3, pressures: Pressures, p: Parameters) -> float:
     return (pressures[0] if voltages[1] > 0.0 else pressures[1]) / p.speed_limits.supply_pressure
 
 
-def watched(
+def updated_overload(
     before: Overload,
     u: Vec3,
     rates: Vec3,
@@ -100,51 +102,52 @@ def watched(
         p: the controller's parameters.
         dt: since the last sample [s].
     """
-    opened = (
-        _opened(before, voltages, 0, p, dt),
-        _opened(before, voltages, 1, p, dt),
-        _opened(before, voltages, 2, p, dt),
+    open_time = (
+        _open_time(before, voltages, 0, p, dt),
+        _open_time(before, voltages, 1, p, dt),
+        _open_time(before, voltages, 2, p, dt),
     )
-    before = before._replace(opened=opened)
-    gone, told = _passed(before.gone, rates, dt), _passed(before.told, u, dt)
-    owed = (
-        _owed(before, u, told, gone, voltages, 0, p, dt),
-        _owed(before, u, told, gone, voltages, 1, p, dt),
-        _owed(before, u, told, gone, voltages, 2, p, dt),
+    before = before._replace(open_time=open_time)
+    slow_rates = _low_passed(before.filtered_rate, rates, dt)
+    slow_commands = _low_passed(before.filtered_command, u, dt)
+    deficit = (
+        _deficit(before, u, slow_commands, slow_rates, voltages, 0, p, dt),
+        _deficit(before, u, slow_commands, slow_rates, voltages, 1, p, dt),
+        _deficit(before, u, slow_commands, slow_rates, voltages, 2, p, dt),
     )
-    since = (
-        _later(before, owed, 0, p, dt),
-        _later(before, owed, 1, p, dt),
-        _later(before, owed, 2, p, dt),
+    deficit_time = (
+        _deficit_time(before, deficit, 0, p, dt),
+        _deficit_time(before, deficit, 1, p, dt),
+        _deficit_time(before, deficit, 2, p, dt),
     )
     counts = _is_wide(voltages[1], p) or borne(voltages, pressures, p) <= BORNE
-    asked = (
-        _asked(before, u, voltages, 0, p, dt),
-        _asked(before, u, voltages, 1, p, dt),
-        _asked(before, u, voltages, 2, p, dt),
+    lagged_command = (
+        _lagged_command(before, u, voltages, 0, p, dt),
+        _lagged_command(before, u, voltages, 1, p, dt),
+        _lagged_command(before, u, voltages, 2, p, dt),
     )
-    products = (
-        _product(before, asked, rates, is_fed(before, 0, p), 0, dt),
-        _product(before, asked, rates, counts and is_fed(before, 1, p), 1, dt),
-        _product(before, asked, rates, is_fed(before, 2, p), 2, dt),
+    agreement = (
+        _agreement(before, lagged_command, rates, is_fed(before, 0, p), 0, dt),
+        _agreement(before, lagged_command, rates, counts and is_fed(before, 1, p), 1, dt),
+        _agreement(before, lagged_command, rates, is_fed(before, 2, p), 2, dt),
     )
-    return Overload(asked, products, owed, since, gone, told, opened)
+    return Overload(lagged_command, agreement, deficit, deficit_time, slow_rates, slow_commands, open_time)
 
 
-def _opened(before: Overload, voltages: Vec3, i: int, p: Parameters, dt: float) -> float:
+def _open_time(before: Overload, voltages: Vec3, i: int, p: Parameters, dt: float) -> float:
     """Return for how long one valve has been open to its side [s], signed by it; 0: it is shut."""
     if not opens(voltages[i], i, p):
         return 0.0
-    begun = before.opened[i] if before.opened[i] * voltages[i] > 0.0 else 0.0
+    begun = before.open_time[i] if before.open_time[i] * voltages[i] > 0.0 else 0.0
     return begun + math.copysign(dt, voltages[i])
 
 
 def is_fed(overload: Overload, i: int, p: Parameters) -> bool:
     """Tell whether one joint's valve has been open for as long as the pump may need for its pressure."""
-    return abs(overload.opened[i]) > p.speed_limits.build_up
+    return abs(overload.open_time[i]) > p.speed_limits.build_up
 
 
-def _passed(before: Vec3, now: Vec3, dt: float) -> Vec3:
+def _low_passed(before: Vec3, now: Vec3, dt: float) -> Vec3:
     """Return rates [rad/s] behind the low-pass."""
     weight = 1.0 - math.exp(-dt / OWED_LAG)
     return (
@@ -154,20 +157,20 @@ def _passed(before: Vec3, now: Vec3, dt: float) -> Vec3:
     )
 
 
-def _owed(
-    before: Overload, u: Vec3, told: Vec3, gone: Vec3, voltages: Vec3, i: int, p: Parameters, dt: float
+def _deficit(
+    before: Overload, u: Vec3, commands: Vec3, rates: Vec3, voltages: Vec3, i: int, p: Parameters, dt: float
 ) -> float:
     """Return what one joint has not gone with its open valve [rad], never less than zero."""
     if not opens(voltages[i], i, p) or voltages[i] * u[i] <= 0.0:
         return 0.0
-    return max(0.0, before.owed[i] + (abs(told[i]) - abs(gone[i]) / ANSWERS) * dt)
+    return max(0.0, before.deficit[i] + (abs(commands[i]) - abs(rates[i]) / ANSWERS) * dt)
 
 
-def _later(before: Overload, owed: Vec3, i: int, p: Parameters, dt: float) -> float:
-    """Return how long one joint has owed something [s], from below zero for its spool's lag."""
-    if owed[i] <= 0.0:
+def _deficit_time(before: Overload, deficit: Vec3, i: int, p: Parameters, dt: float) -> float:
+    """Return how long one joint has had a deficit [s], from below zero for its spool's lag."""
+    if deficit[i] <= 0.0:
         return 0.0
-    begun = before.since[i] if before.owed[i] > 0.0 else -p.speed_limits.axes[i].spool.lag
+    begun = before.deficit_time[i] if before.deficit[i] > 0.0 else -p.speed_limits.axes[i].spool.lag
     return begun + dt if is_fed(before, i, p) else begun
 
 
@@ -178,17 +181,17 @@ def _is_wide(voltage: float, p: Parameters) -> bool:
     return abs(voltage) > edge + WIDE * (p.rated_voltages[1] - edge)
 
 
-def _asked(before: Overload, u: Vec3, voltages: Vec3, i: int, p: Parameters, dt: float) -> float:
+def _lagged_command(before: Overload, u: Vec3, voltages: Vec3, i: int, p: Parameters, dt: float) -> float:
     """Return w of one joint [rad/s]."""
     now = u[i] if opens(voltages[i], i, p) else 0.0
     weight = 1.0 - math.exp(-dt / (OIL + p.speed_limits.axes[i].spool.lag))
-    return before.asked[i] + weight * (now - before.asked[i])
+    return before.lagged_command[i] + weight * (now - before.lagged_command[i])
 
 
-def _product(before: Overload, asked: Vec3, rates: Vec3, counts: bool, i: int, dt: float) -> float:
-    """Return the mean product of one joint [rad^2/s^2]."""
-    now = asked[i] * rates[i] if counts else 0.0
-    mean = before.products[i] + (1.0 - math.exp(-dt / TOGETHER[i])) * (now - before.products[i])
+def _agreement(before: Overload, lagged_command: Vec3, rates: Vec3, counts: bool, i: int, dt: float) -> float:
+    """Return the agreement of one joint [rad^2/s^2]."""
+    now = lagged_command[i] * rates[i] if counts else 0.0
+    mean = before.agreement[i] + (1.0 - math.exp(-dt / TOGETHER[i])) * (now - before.agreement[i])
     return mean if i == 0 else min(AGAINST[i], mean)
 
 
@@ -198,15 +201,16 @@ def is_overloaded(overload: Overload) -> bool:
 
 
 def _refuses(overload: Overload, i: int) -> bool:
-    """Tell whether one joint goes back or stands; one that pays what it owes has only started late."""
-    told = overload.told[i]
-    pays = overload.gone[i] * told > ANSWERS * told * told
-    return goes_back(overload, i) or (overload.owed[i] > OWED and overload.since[i] > STARTS and not pays)
+    """Tell whether one joint goes back or stands; one that catches up has only started late."""
+    command = overload.filtered_command[i]
+    catches_up = overload.filtered_rate[i] * command > ANSWERS * command * command
+    stands = overload.deficit[i] > OWED and overload.deficit_time[i] > STARTS and not catches_up
+    return goes_back(overload, i) or stands
 
 
 def goes_back(overload: Overload, i: int) -> bool:
     """Tell whether one joint goes against its commands: a load drives it, or its valve is reversed."""
-    return overload.products[i] < -AGAINST[i]
+    return overload.agreement[i] < -AGAINST[i]
 
 
 def objection(overload: Overload) -> str:

@@ -37,7 +37,7 @@ class Runaway(NamedTuple):
     firsts: Vec3 = ZERO  # |v_0| [rad/s]
 
 
-def watched(before: Runaway, rates: Vec3, voltages: Vec3, p: Parameters, dt: float) -> Runaway:
+def updated_runaway(before: Runaway, rates: Vec3, voltages: Vec3, p: Parameters, dt: float) -> Runaway:
     """Return what joints have gone under shut valves after a sample.
 
     Args:
