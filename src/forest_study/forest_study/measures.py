@@ -41,6 +41,12 @@ def deviation(away: Floats) -> Deviation:
     return Deviation(1e3 * float(np.sqrt(np.mean(away**2))), 1e3 * float(away.max()))
 
 
+def squares(vectors: Floats) -> Floats:
+    """Return the square of each vector's size [N], of rows [N, 3]; numpy's norm takes four times as long."""
+    x, y, z = vectors.T
+    return x * x + y * y + z * z
+
+
 def line_of(path: TipPath) -> Floats:
     """Return a path as points [M, 3] m, `STEP` apart at the most; its corners are among them."""
     spaced = np.linspace(0.0, path.length, math.ceil(path.length / STEP) + 1)
@@ -91,12 +97,11 @@ def _ways_beside(
     It is followed from a way [m] on, by at most a slip [m] a row, so that a circle's end is not taken for its
     start. One of Newton's steps a row is enough, as for the player of taught work.
     """
-    (begin, end), found = stretch, []
+    (begin, end), at, half, found = stretch, path.at, 0.5 * STEP, []
     for x, y, z in tips.tolist():
-        a, b = max(begin, way - 0.5 * STEP), min(end, way + 0.5 * STEP)
-        here, there = path.at(a), path.at(b)
-        along = there[0] - here[0], there[1] - here[1], there[2] - here[2]
-        ahead = (x - here[0]) * along[0] + (y - here[1]) * along[1] + (z - here[2]) * along[2]
+        a, b = max(begin, way - half), min(end, way + half)
+        (x_a, y_a, z_a), (x_b, y_b, z_b) = at(a), at(b)
+        ahead = (x - x_a) * (x_b - x_a) + (y - y_a) * (y_b - y_a) + (z - z_a) * (z_b - z_a)
         way = max(begin, min(end, way + max(-slip, min(slip, a - way + ahead / (b - a)))))
         found.append(way)
     return np.array(found)

@@ -15,7 +15,7 @@ from forest_description.types import Floats
 from forest_msgs_py.types import PERIOD
 from forest_study.closed_loop.closed_loop import Trajectory
 from forest_study.closed_loop.compiled_loop import Led
-from forest_study.measures import deviation, ideal, line_of, time_lost
+from forest_study.measures import deviation, ideal, line_of, squares, time_lost
 
 SATURATED = 0.999  # of the rated voltage
 
@@ -92,7 +92,7 @@ def scores_of(laps: tuple[Drawn, ...], led: Led, machine: Machine) -> tuple[tupl
     moved = led.moved
     rows = [one.lap.rows(led.clock) for one in laps]
     governed = moved.tip_error()
-    governed = np.linalg.norm(governed - governed[rows[0][0]], axis=1)
+    governed = np.sqrt(squares(governed - governed[rows[0][0]]))
     ends = [other[0] for other in rows[1:]] + [len(moved.tip)]
     each = zip(laps, rows, ends, strict=True)
     parts = [_away(one, within, end, governed, moved.tip) for one, within, end in each]
@@ -109,7 +109,7 @@ def _away(one: Drawn, rows: range, end: int, governed: Floats, tips: Floats) -> 
         rows=moving,
         governed=governed[moving],
         cross=distances_from(one.near, tips[moving]),
-        wish=np.linalg.norm(tips[moving] - one.ideal_in(rows), axis=1),
+        wish=np.sqrt(squares(tips[moving] - one.ideal_in(rows))),
         lost=time_lost(lap.path, lap.profile, times, tips[rows.start : end]),
         end=math.dist(tips[end - 1], lap.path.at(lap.path.length)),
     )
@@ -123,7 +123,7 @@ def _score(parts: list[_Away], moved: Trajectory, rated: Floats) -> Score:
         for name in ("governed", "cross", "wish")
     )
     velocity = np.gradient(moved.tip, PERIOD, axis=0) - moved.tip_wish
-    saturated = np.any(np.abs(moved.voltages[rows]) >= SATURATED * rated, axis=1)
+    swing, boom, stick = (np.abs(moved.voltages[rows]) >= SATURATED * rated).T
     return Score(
         governed_rms_mm=governed.rms_mm,
         governed_max_mm=governed.max_mm,
@@ -133,7 +133,7 @@ def _score(parts: list[_Away], moved: Trajectory, rated: Floats) -> Score:
         wish_max_mm=wish.max_mm,
         time_lost_s=sum(part.lost for part in parts),
         end_mm=1e3 * max(part.end for part in parts),
-        velocity_rms=float(np.sqrt(np.mean(np.sum(velocity[rows] ** 2, axis=1)))),
+        velocity_rms=float(np.sqrt(np.mean(squares(velocity[rows])))),
         duration_s=PERIOD * (len(rows) - 1),
-        saturated_s=PERIOD * float(saturated.sum()),
+        saturated_s=PERIOD * float((swing | boom | stick).sum()),
     )
