@@ -17,6 +17,7 @@ from forest_control.operator.joystick_watch import (
     WatchParameters,
     assessed_watch,
     heartbeat_of,
+    is_deflected_unarmed,
     is_released,
     joystick_sample,
     unreadable_sample,
@@ -237,6 +238,18 @@ def test_what_else_forbids_motion_disarms():
     assert not hand.look(allowed=False)
     assert not hand.say(PUSHED)
     hand.arm()
+
+
+def test_what_a_deflected_stick_waits_for_is_known_while_nothing_else_is_in_the_way():
+    watch = REST._replace(joystick=Joystick.ALIVE, held=True, levers=PUSHED)
+    assert is_deflected_unarmed(watch, P.centre)
+    for else_ in (
+        {"joystick": Joystick.LOST},
+        {"held": False},
+        {"armed": True},
+        {"levers": CENTRED},
+    ):
+        assert not is_deflected_unarmed(watch._replace(**else_), P.centre)
 
 
 def test_a_reset_needs_the_deadman_released_and_levers_centred_as_the_last_words():
