@@ -44,7 +44,8 @@ def deviation(away: Floats) -> Deviation:
 def squares(vectors: Floats) -> Floats:
     """Return the square of each vector's size [N], of rows [N, 3]; numpy's norm takes four times as long."""
     x, y, z = vectors.T
-    return x * x + y * y + z * z
+    found: Floats = x * x + y * y + z * z
+    return found
 
 
 def line_of(path: TipPath) -> Floats:

@@ -4,6 +4,7 @@ import json
 import os
 import signal
 
+import dask
 import pytest
 
 pytest.importorskip("llvmlite")
@@ -93,6 +94,8 @@ def test_a_worker_that_is_killed_loses_nothing_and_a_stopped_study_goes_on(tmp_p
         address = own.scheduler.address
         with cluster(address, None) as client:
             (pid,) = client.run(os.getpid).values()
+            (looked_at,) = client.run(dask.config.get, "distributed.worker.profile.enabled").values()
+            assert not looked_at  # its stack, a hundred times a second
             found = results(client, read.kind, read.common, todo)
             store.add(next(found))
             os.kill(pid, signal.SIGKILL)
