@@ -105,3 +105,13 @@ def test_a_record_whose_supply_rests_where_this_pump_does_not_is_refused(name, p
         demand_machine(C180, strange)
     moving = np.full((100, 3), 4.0)  # with a valve open from the first row, the supply tells nothing
     demand_machine(C180, dataclasses.replace(strange, voltages=moving))
+
+
+def test_a_crane_whose_boom_and_stick_have_no_resolvers_is_refused():
+    sensors = dataclasses.replace(C180.sensors, joint_angles="linear_transducer")
+    crane = dataclasses.replace(C180, sensors=sensors)
+    with pytest.raises(
+        SessionError, match="angles of boom and stick by its linear_transducer; allowed: a crane"
+    ):
+        demand_machine(crane, record("gravity", (1, 2)))
+    demand_machine(crane, record("hose_laminar", ()))  # a rig has its own sensors

@@ -5,6 +5,7 @@ import dataclasses
 import pytest
 
 from forest_description.machine import load_machine
+from forest_description.sensors.sensor_kinds import InertialUnit
 from forest_sim.analysis.machine_check import warnings
 
 C180, FORWARDER = load_machine("c180_hoses"), load_machine("forwarder")
@@ -16,6 +17,11 @@ def changed(section, base=C180, **numbers):
 
 def sensors(kind, **numbers):
     return changed("sensors", **{kind: dataclasses.replace(getattr(C180.sensors, kind), **numbers)})
+
+
+def by_inertia(stick_distance=1.0, joint_angles="inertial_unit", **others):
+    unit = InertialUnit(1.0, stick_distance, 5.0, None, None, None, None)
+    return changed("sensors", inertial_unit=unit, joint_angles=joint_angles, **others)
 
 
 def inertia(link, about, xx):
@@ -49,6 +55,9 @@ def test_the_shipped_machines_have_nothing_else_than_their_hoses_to_warn_of():
             ["swing: its resolver shows -158 .. 158 deg", "-180.0 to 180.0"],
         ),
         (sensors("linear_transducer", full_scale=0.9), ["boom: its linear", "stick: its linear"]),
+        (by_inertia(stick_distance=5.0), ["stick: its inertial unit is 5 m along its 4.2991 m"]),
+        (by_inertia(joint_angles=None), ["sensors.inertial_unit: nothing reads it"]),
+        (by_inertia(resolver=None), ["swing: nothing tells its angle; sensors.resolver does"]),
         (
             dataclasses.replace(FORWARDER, sensors=dataclasses.replace(FORWARDER.sensors, pressure=None)),
             [
@@ -88,6 +97,9 @@ def test_the_shipped_machines_have_nothing_else_than_their_hoses_to_warn_of():
     ids=[
         "resolver",
         "transducer",
+        "unit beyond its link",
+        "unit that nobody reads",
+        "no swing",
         "no pressures",
         "pressure",
         "boom's inertia",
@@ -102,6 +114,12 @@ def test_what_is_not_wise_is_told(machine, parts):
     assert found
     for part in parts:
         assert part in found
+
+
+def test_a_resolver_that_is_not_there_is_not_judged():
+    short = dataclasses.replace(C180.sensors.resolver, full_scale=6.2)
+    assert told(by_inertia(resolver=short)) == told(changed("sensors", resolver=short))[:1]
+    assert told(by_inertia()) == []
 
 
 def test_a_valve_that_damps_by_itself_needs_no_pressures():

@@ -47,6 +47,14 @@ def test_the_lag_does_not_depend_on_how_time_is_cut():
     assert sample(channel, half, 1.0, 0.003, 0.0)[0].lagged == pytest.approx(whole, rel=1e-12)
 
 
+def test_a_cable_with_play_follows_half_of_it_behind_and_stays_where_the_way_turns():
+    channel, memory, shown = SensorModel(play=0.2), REST, []
+    for true in (0.05, 1.0, 0.95, 0.8, 0.5, 0.6, 0.75):
+        memory, reading = sample(channel, memory, true, 0.005, 0.0)
+        shown.append(reading)
+    assert shown == pytest.approx([0.0, 0.9, 0.9, 0.9, 0.6, 0.6, 0.65])
+
+
 def test_gain_and_bias_are_the_static_error():
     assert read(SensorModel(gain=1.01, bias=0.5), 100.0) == pytest.approx(101.5)
 

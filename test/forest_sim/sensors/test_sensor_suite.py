@@ -6,6 +6,7 @@ import math
 import numpy as np
 import pytest
 
+from forest_description.config.parameter import MachineError
 from forest_description.config.units import UNITS
 from forest_description.machine import load_machine
 from forest_sim.sensors.sensor_faults import parse_faults
@@ -127,6 +128,43 @@ def test_resolvers_and_pressure_transducers_read_in_steps_where_the_file_says_so
     assert channel("boom_resolver", coarse).resolution == turn.resolution
     assert channel("supply_pressure", coarse).resolution == pressure.full_scale / 4096
     assert channel("boom_resolver", C180).resolution == channel("supply_pressure", C180).resolution == 0.0
+
+
+def test_a_cable_encoder_has_a_static_error_of_its_range_and_play():
+    cable = dataclasses.replace(C180.sensors.linear_transducer, accuracy=0.001, play=3e-4)
+    crane = dataclasses.replace(C180, sensors=dataclasses.replace(C180.sensors, linear_transducer=cable))
+    biases = [channel("boom_transducer", crane, seed).bias for seed in range(200)]
+    assert 0.9 < max(biases) / (0.001 * cable.full_scale) <= 1.0
+    assert 0.9 < -min(biases) / (0.001 * cable.full_scale) <= 1.0
+    assert channel("stick_transducer", crane).play == 3e-4
+    assert channel("stick_transducer", C180).play == channel("stick_transducer", C180).bias == 0.0
+
+
+def by(kind, base=C180):
+    """The crane with angles of boom and stick by a kind of sensor."""
+    return dataclasses.replace(base, sensors=dataclasses.replace(base.sensors, joint_angles=kind))
+
+
+def test_what_makes_the_angles_stands_in_for_two_resolvers_and_leaves_all_noise_as_it_was():
+    before, after = sensor_suite(C180, True, 3), sensor_suite(by("linear_transducer"), True, 3)
+    changed = [name for name, a, b in zip(CHANNELS, before.channels, after.channels, strict=True) if a != b]
+    assert changed == ["boom_resolver", "stick_resolver"]
+    assert all(after.channels[CHANNELS.index(name)].mode == ABSENT for name in changed)
+    assert sensor_suite(by("resolver"), True, 3) == before
+    drawn = draw(noise_generator(after))
+    assert drawn == draw(noise_generator(before))
+    assert drawn.normal[CHANNELS.index("boom_inertial_unit")] == drawn.normal[CHANNELS.index("boom_resolver")]
+
+
+@pytest.mark.parametrize("kind", ["linear_transducer", "inertial_unit"])
+def test_angles_by_what_is_not_fitted_are_refused(kind):
+    bare = dataclasses.replace(C180.sensors, linear_transducer=None)
+    with pytest.raises(
+        MachineError, match=f"joint_angles: {kind} is not fitted; allowed: resolver, its numbers"
+    ):
+        dataclasses.replace(bare, joint_angles=kind)
+    with pytest.raises(MachineError, match="'sundial' is none of resolver, linear_"):
+        dataclasses.replace(bare, joint_angles="sundial")
 
 
 def test_the_thesis_prints_no_noise_and_the_c180_has_that_of_realistic_control():

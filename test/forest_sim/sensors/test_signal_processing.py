@@ -1,5 +1,6 @@
 """Claims about what is derived from readings, and what becomes of it when a reading is wrong or missing."""
 
+import dataclasses
 import math
 
 import numpy as np
@@ -91,3 +92,16 @@ def test_lost_samples_do_not_look_like_jumps():
     there = rates[~np.isnan(rates)]
     assert 100 < len(there) < 180
     assert there[50:] == pytest.approx(0.4, rel=1e-3)
+
+
+def test_angles_by_the_cylinders_are_those_at_which_the_linkage_has_the_lengths_read():
+    sensors = dataclasses.replace(MACHINE.sensors, joint_angles="linear_transducer")
+    crane = dataclasses.replace(MACHINE, sensors=sensors)
+    seen = watch(REST, sensor_suite(crane), 2)[-1]
+    assert seen.joints.position == pytest.approx(Q, abs=1e-14)
+    longer = watch(REST, sensor_suite(crane, faults=parse_faults("boom_transducer: bias 1 mm")), 1)[0]
+    by_arm = 1e-3 / lever_arm(Q[1], P.boom_linkage)
+    assert longer.joints.position[1] - Q[1] == pytest.approx(by_arm, rel=0.01)
+    assert longer.joints.position[2] == seen.joints.position[2]
+    none = watch(REST, sensor_suite(crane, faults=parse_faults("stick_transducer: bias 9 m")), 1)[0]
+    assert np.isnan(none.joints.position).tolist() == [False, False, True]  # no triangle has that side

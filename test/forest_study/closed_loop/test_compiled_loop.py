@@ -17,6 +17,7 @@ from forest_control.valve import valve_driver_parameters
 from forest_description.geometry.kinematics import inverse_kinematics
 from forest_description.hydraulics.valve_parameters import PolynomialCurve, TableCurve
 from forest_description.machine import load_machine
+from forest_description.sensors.sensor_kinds import InertialUnit
 from forest_msgs_py.types import PERIOD
 from forest_sim.equations.plant_parameters import plant_parameters
 from forest_sim.sensors.sensor_faults import parse_faults
@@ -84,6 +85,15 @@ def test_so_is_another_machine_than_believed_with_slow_sensors_and_none():
     drive = valve_driver_parameters.Settings(adapt=True)
     assert_same(controller_settings.Settings(), drive, other, C180, seed=2)
     assert_same(controller_settings.Settings(), drive, C180, other, seed=3)
+
+
+def test_so_is_a_crane_whose_angles_are_by_inertial_units():
+    unit = InertialUnit(1.0, 1.0, 5.0, 0.005, 0.002, 0.001, 0.01)
+    sensors = dataclasses.replace(
+        C180.sensors, inertial_unit=unit, joint_angles="inertial_unit", linear_transducer=None
+    )
+    crane = dataclasses.replace(C180, sensors=sensors)
+    assert_same(*USUAL, machine=crane, model=crane, seed=2)
 
 
 @pytest.mark.parametrize("substeps", [1, 2, 5])

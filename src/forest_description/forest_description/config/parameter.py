@@ -66,6 +66,11 @@ def choice(*words: str, doc: str) -> Any:
     return dataclasses.field(metadata={"choice": Choice(words, doc)})
 
 
+def optional_choice(*words: str, doc: str) -> Any:
+    """Return a dataclass field for one of some words that may be left out, and is None then."""
+    return dataclasses.field(default=None, metadata={"choice": Choice(words, doc)})
+
+
 def component() -> Any:
     """Return a dataclass field for a component, which stands for itself."""
     return dataclasses.field()
@@ -104,6 +109,8 @@ class ParameterSet:
         for field in dataclasses.fields(self):
             where, value = f"{type(self).__name__}.{field.name}", getattr(self, field.name)
             allowed, words = parameter_of(field), choice_of(field)
+            if value is None and may_be_left_out(field):
+                continue
             if words is not None and value not in words.words:
                 raise MachineError(f"{where}: {value!r} is none of {', '.join(words.words)}")
             if allowed is None or value is None:

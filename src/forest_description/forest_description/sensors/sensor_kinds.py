@@ -13,8 +13,17 @@ counts as zero.
 
 from dataclasses import dataclass
 
-from forest_description.config.parameter import ParameterSet, optional_parameter, parameter, require_order
+from forest_description.config.parameter import (
+    MachineError,
+    ParameterSet,
+    optional_choice,
+    optional_parameter,
+    parameter,
+    require_order,
+)
 from forest_description.sensors.sensor_calibration import Calibration
+
+ANGLE_KINDS = ("resolver", "linear_transducer", "inertial_unit")
 
 
 @dataclass(frozen=True)
@@ -29,11 +38,21 @@ class Resolver(ParameterSet):
 
 @dataclass(frozen=True)
 class LinearTransducer(ParameterSet):
-    """Length of a cylinder; mounted so that the stroke lies in the middle of its range. Thesis table 4.2."""
+    """Length of a cylinder; mounted so that the stroke lies in the middle of its range. Thesis table 4.2.
+
+    A cable encoder (draw wire) beside a cylinder is one, too: its drum and cable add accuracy and
+    play.
+    """
 
     full_scale: float = parameter("m", 0.01, 20.0, "range of the transducer")
     resolution: float | None = parameter("1", 0.0, 0.1, "smallest step, share of full scale")
     noise: float | None = parameter("m", 0.0, 0.1, "standard deviation of a sample")
+    accuracy: float | None = optional_parameter(
+        "1", 0.0, 0.1, "bound of the static error, share of full scale"
+    )
+    play: float | None = optional_parameter(
+        "m", 0.0, 0.1, "way of a cable or drum before the reading follows"
+    )
 
 
 @dataclass(frozen=True)
@@ -102,6 +121,25 @@ class Inclinometer(ParameterSet):
 
 
 @dataclass(frozen=True)
+class InertialUnit(ParameterSet):
+    """Angle of boom and of stick above the platform: a gyro, held upright by accelerometers.
+
+    The platform's own tilt is taken as known.
+    """
+
+    boom_distance: float = parameter("m", 0.0, 20.0, "from the boom's joint to its unit, along the boom")
+    stick_distance: float = parameter("m", 0.0, 20.0, "from the stick's joint to its unit, along the stick")
+    time_constant: float = parameter("s", 0.01, 100.0, "in which the accelerometers correct the gyro")
+    accuracy: float | None = parameter("rad", 0.0, 0.2, "bound of the static error, mounting included")
+    gyro_bias: float | None = parameter("rad/s", 0.0, 0.1, "bound of the gyro's rate at rest")
+    gyro_noise: float | None = parameter("rad/s", 0.0, 0.1, "standard deviation of a sample of the gyro")
+    accelerometer_noise: float | None = parameter(
+        "m/s2", 0.0, 10.0, "standard deviation of a sample of an accelerometer"
+    )
+    resolution: float | None = optional_parameter("rad", 0.0, 0.1, "smallest step of the reading")
+
+
+@dataclass(frozen=True)
 class CaseDrain(ParameterSet):
     """Meter of the swing motor's external leakage; the thesis collected the oil in a vessel instead."""
 
@@ -124,3 +162,16 @@ class Sensors(ParameterSet):
     case_drain: CaseDrain | None
     calibration: Calibration | None
     sample_rate: float = parameter("Hz", 1.0, 200.0, "samples of every sensor; held in between")
+    inertial_unit: InertialUnit | None = None
+    joint_angles: str | None = optional_choice(
+        *ANGLE_KINDS, doc="what makes boom's and stick's angles in place of resolvers; left out: resolvers do"
+    )
+
+    def __post_init__(self) -> None:
+        """Check that the kind that boom's and stick's angles are made of is fitted."""
+        super().__post_init__()
+        if self.joint_angles is not None and getattr(self, self.joint_angles) is None:
+            fitted = [kind for kind in ANGLE_KINDS if getattr(self, kind) is not None]
+            raise MachineError(
+                f"joint_angles: {self.joint_angles} is not fitted; allowed: {', '.join([*fitted, 'its numbers'])}"
+            )

@@ -70,12 +70,18 @@ def demand_machine(machine: Machine, session: Session) -> None:
     """Refuse a record that this machine cannot have made.
 
     Raises:
-        SessionError: its pump idles at another pressure, a joint goes where it has no way, or a cylinder's
-            length does not belong to its angle.
+        SessionError: its pump idles at another pressure, a joint goes where it has no way, a cylinder's
+            length does not belong to its angle, or boom and stick have no resolvers.
     """
     _demand_pump(machine, session)
     if not session.on_crane:
         return
+    if machine.sensors.joint_angles not in (None, "resolver"):
+        raise SessionError(
+            f"{session.name}: {machine.name} has the angles of boom and stick by its "
+            f"{machine.sensors.joint_angles}; allowed: a crane with resolvers: a fit knows no other "
+            "angles' errors"
+        )
     for axis, (low, high) in zip(AXES, joint_limits(machine), strict=True):
         if not session.has(f"{axis}_resolver"):
             continue

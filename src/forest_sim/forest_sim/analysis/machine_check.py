@@ -37,10 +37,10 @@ def components(machine: Machine) -> Iterator[tuple[str, str]]:
         parameter, optional = parameter_of(field), "None" in str(field.type)
         if key.startswith("sensors.") and key.count(".") > 1:  # what a sensor is like is a table of its own
             continue
-        if choice_of(field) is not None:
-            yield key, str(value)
-        elif value is None:
+        if value is None:
             yield key, "none"
+        elif choice_of(field) is not None:
+            yield key, str(value)
         elif parameter is not None and optional:
             yield key, f"{value:g} {parameter.unit}"
         elif dataclasses.is_dataclass(value) and (optional or hasattr(value, "kind")):
@@ -129,10 +129,11 @@ def _play_warnings(machine: Machine) -> list[str]:
 
 def _sensor_warnings(machine: Machine) -> list[str]:
     """Return a sentence for each sensor whose reading ends too early, or that chart or control lacks."""
-    sensors, found = machine.sensors, []
+    sensors, found = machine.sensors, list(_angle_warnings(machine))
     if sensors.resolver is not None:
         half = math.degrees(0.5 * sensors.resolver.full_scale)
-        for axis, limits in zip(AXES, joint_limits(machine), strict=True):
+        resolvers = AXES if sensors.joint_angles in (None, "resolver") else AXES[:1]
+        for axis, limits in zip(resolvers, joint_limits(machine), strict=False):
             low, high = (math.degrees(limit) for limit in limits)
             if low < -half or high > half:
                 found.append(
@@ -164,6 +165,23 @@ def _sensor_warnings(machine: Machine) -> list[str]:
             if metering_drop(machine, place) < math.inf and _is_counterbalanced(machine.drives[place])
         ]
     return found
+
+
+def _angle_warnings(machine: Machine) -> Iterator[str]:
+    """Give a sentence for each angle without a sensor, and each inertial unit beyond its link or unused."""
+    sensors, unit, links = machine.sensors, machine.sensors.inertial_unit, machine.manipulator.links
+    if sensors.joint_angles is not None and sensors.resolver is None:
+        yield "swing: nothing tells its angle; sensors.resolver does, whatever makes those of boom and stick"
+    if unit is None:
+        return
+    if sensors.joint_angles != "inertial_unit":
+        yield "sensors.inertial_unit: nothing reads it; sensors.joint_angles: inertial_unit does"
+    for link, distance, length in (
+        ("boom", unit.boom_distance, links.boom),
+        ("stick", unit.stick_distance, links.stick),
+    ):
+        if distance > length:
+            yield f"{link}: its inertial unit is {distance:g} m along its {length:g} m"
 
 
 def _is_counterbalanced(drive: CylinderDrive | SwingDrive) -> bool:

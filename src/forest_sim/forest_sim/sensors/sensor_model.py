@@ -6,6 +6,10 @@
 | tau | time constant of the first-order lag, 0: none | s |
 | g, b | gain and static bias of this unit | 1; the channel's |
 | sigma, n | standard deviation of a sample; a draw from the standard normal distribution | the channel's; 1 |
+| h | play: way that the true value goes, after it turned, before a cable or drum follows | the channel's |
+
+With play, which a lag excludes, x is what the drum shows: within h/2 of the true value, and moved
+by nothing but that.
 
 A reading is g x + b + sigma n, at least as large as the floor, in whole steps of the resolution,
 between the ends of the range. NaN stands for a missing reading.
@@ -39,10 +43,11 @@ class SensorModel(NamedTuple):
     low: float = -math.inf
     high: float = math.inf
     mode: int = WORKS
+    play: float = 0.0
 
 
 class SensorMemory(NamedTuple):
-    """What a sensor remembers: the lagged true value and the last reading."""
+    """What a sensor remembers: what lag or play leaves of the true value, and the last reading."""
 
     lagged: float
     reading: float
@@ -68,6 +73,8 @@ def sample(
     lagged = true
     if c.time_constant > 0.0:
         lagged = true + (s.lagged - true) * math.exp(-dt / c.time_constant)
+    elif c.play > 0.0:
+        lagged = max(true - 0.5 * c.play, min(true + 0.5 * c.play, s.lagged))
     if c.mode == FROZEN:
         return SensorMemory(lagged, s.reading), s.reading
     if c.mode != WORKS:

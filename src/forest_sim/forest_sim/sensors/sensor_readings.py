@@ -10,7 +10,7 @@ The pump's own flow passes unmeasured: table 4.2 has no meter there.
 
 import math
 from collections.abc import Sequence
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from forest_description.geometry.kinematics import Links, tip_position, tip_velocity
 from forest_description.hydraulics.pump import IdealPump
@@ -32,17 +32,28 @@ from forest_sim.hydraulics.compensator import NONE
 from forest_sim.hydraulics.oil_volume import filled_share
 from forest_sim.hydraulics.port import port_pressure
 from forest_sim.hydraulics.supply import asked_stroke, saturation
+from forest_sim.sensors.inertial_unit import (
+    STANDING,
+    Mounting,
+    UnitSpeeds,
+    felt_tilts,
+    filtered,
+    unit_speeds,
+)
 from forest_sim.sensors.sensor_model import WORKS, SensorMemory, SensorModel, sample, sample_if
 from forest_sim.sensors.sensor_suite import (
     CHANNELS,
     EXACT_SUITE,
     NO_DRAWS,
+    RESOLVERS,
     TIME_TOLERANCE,
     Draws,
     Suite,
     conditions,
 )
 from forest_sim.sensors.signal_processing import (
+    BOOM_UNIT,
+    STICK_UNIT,
     Measurement,
     Motion,
     SpeedEstimate,
@@ -74,6 +85,7 @@ class SensorState(NamedTuple):
     estimates: tuple[SpeedEstimate, ...]
     time: float  # [s] since the start
     next_sample: float  # [s]
+    unit_speeds: UnitSpeeds = STANDING  # at the last call
 
 
 def surroundings(machine: Machine) -> Surroundings:
@@ -95,7 +107,9 @@ def at_rest(
         sample(c._replace(mode=WORKS), SensorMemory(x, x), x, 0.0, 0.0)[0]
         for c, x in zip(suite.channels, true_values(simulation, p, around), strict=True)
     ]
-    seen = positions(tuple([state.reading for state in states]))
+    for i in (BOOM_UNIT, STICK_UNIT):  # what its filter is off is nothing
+        states[i] = SensorMemory(0.0, states[i].reading)
+    seen = positions(tuple([state.reading for state in states]), suite.angles, p)
     estimates = tuple(SpeedEstimate(position, 0.0, 0.0) for position in seen)
     return SensorState(tuple(states), estimates, 0.0, suite.period)
 
@@ -107,6 +121,8 @@ class Sensors(NamedTuple):
     channels: tuple[SensorModel, ...]  # as they work now
     period: float  # [s] between samples; 0: whenever asked
     around: Surroundings
+    angles: int = RESOLVERS  # what boom's and stick's are made of
+    mounting: Mounting = Mounting()  # of their inertial units
 
 
 class Report(NamedTuple):
@@ -129,7 +145,12 @@ def measure(
 ) -> tuple[SensorState, Measurement]:
     """Sample every sensor, `dt` [s] after the last call. Thesis table 4.2."""
     channels = conditions(suite, state.time + dt, draws.uniform)
-    return sampled(state, simulation, draws.normal, Sensors(p, channels, suite.period, around), dt)
+    return sampled(state, simulation, draws.normal, sensors(p, suite, around)._replace(channels=channels), dt)
+
+
+def sensors(p: PlantParameters, suite: Suite, around: Surroundings = NOMINAL) -> Sensors:
+    """Return what stays from one sample to the next, while nothing is wrong with the suite."""
+    return Sensors(p, suite.channels, suite.period, around, suite.angles, suite.mounting)
 
 
 def report(
@@ -152,7 +173,8 @@ def report_at_rest(state: SensorState, simulation: Simulation, k: tuple[Sensors,
     s, links = k
     readings = tuple([channel.reading for channel in state.channels])
     flow, used = _supply(simulation, ports_of(simulation, s.plant), s.plant)
-    seen = measurement(readings, state.estimates, s.plant, flow, used)
+    position = positions(readings, s.angles, s.plant)
+    seen = measurement(readings, position, state.estimates, s.plant, flow, used)
     return _with_truth(seen, simulation, s.plant, links)
 
 
@@ -177,17 +199,45 @@ def sampled(
     time = state.time + dt
     due = time > state.next_sample - TIME_TOLERANCE
     ports = ports_of(simulation, s.plant)
-    before = state.channels
+    before, channels, speeds = state.channels, s.channels, state.unit_speeds
     true = _true_values(simulation, ports, s.plant, s.around)
+    if channels[BOOM_UNIT].time_constant > 0.0:
+        speeds, channels, true = _by_inertia(speeds, simulation, normals, s, true, dt)
     samples = tuple(
-        [sample_if(due, s.channels[i], before[i], true[i], dt, normals[i]) for i in range(CHANNEL_COUNT)]
+        [sample_if(due, channels[i], before[i], true[i], dt, normals[i]) for i in range(CHANNEL_COUNT)]
     )
     readings = tuple([samples[i][1] for i in range(CHANNEL_COUNT)])
-    estimates = updated_estimates(state.estimates, readings, dt, due)
+    position = positions(readings, s.angles, s.plant)
+    estimates = updated_estimates(state.estimates, position, dt, due)
     next_sample = max(time, state.next_sample + s.period) if due else state.next_sample
-    after = SensorState(tuple([samples[i][0] for i in range(CHANNEL_COUNT)]), estimates, time, next_sample)
+    memories = tuple([samples[i][0] for i in range(CHANNEL_COUNT)])
+    after = SensorState(memories, estimates, time, next_sample, speeds)
     flow, used = _supply(simulation, ports, s.plant)
-    return after, measurement(readings, estimates, s.plant, flow, used)
+    return after, measurement(readings, position, estimates, s.plant, flow, used)
+
+
+def _by_inertia(
+    before: UnitSpeeds,
+    simulation: Simulation,
+    normals: Sequence[float],
+    s: Sensors,
+    true: tuple[float, ...],
+    dt: float,
+) -> tuple[UnitSpeeds, tuple[SensorModel, ...], tuple[float, ...]]:
+    """Return how the inertial units move, and channels and values with what their filters take in."""
+    links, c = simulation.plant, s.channels
+    now = unit_speeds(links, s.mounting)
+    tilts = felt_tilts(before, now, links, s.mounting, dt)
+    boom, boom_tilt = filtered(c[BOOM_UNIT], true[BOOM_UNIT], tilts[0], normals[BOOM_UNIT], dt)
+    stick, stick_tilt = filtered(c[STICK_UNIT], true[STICK_UNIT], tilts[1], normals[STICK_UNIT], dt)
+    return now, _with_units(c, boom, stick), _with_units(true, boom_tilt, stick_tilt)
+
+
+def _with_units(all_channels: tuple[Any, ...], boom: Any, stick: Any) -> tuple[Any, ...]:
+    """Return what there is of each channel, with other values of the inertial units."""
+    head = tuple([all_channels[i] for i in range(BOOM_UNIT)])
+    tail = tuple([all_channels[STICK_UNIT + 1 + i] for i in range(CHANNEL_COUNT - STICK_UNIT - 1)])
+    return (*head, boom, stick, *tail)
 
 
 def true_joints(simulation: Simulation, p: PlantParameters) -> Motion:
@@ -263,6 +313,7 @@ def _true_values(
         *(spools[0].position, spools[1].position, spools[2].position),
         *around.tilt,
         _case_drain_flow(motor, p.swing),
+        *(plant.boom.angle, plant.boom.angle + plant.stick.angle),
     )
 
 

@@ -15,7 +15,7 @@ from forest_description.machine import load_machine
 from forest_msgs_py.types import PERIOD
 from forest_sim.equations.plant_parameters import PlantParameters, plant_parameters
 from forest_sim.sensors import sensor_readings
-from forest_sim.sensors.sensor_readings import Report, Sensors, Surroundings
+from forest_sim.sensors.sensor_readings import Report, Surroundings
 from forest_sim.sensors.sensor_suite import EXACT_SUITE, NO_DRAWS, Suite, conditions, draw, noise_generator
 from forest_sim.solver import plant_kernel
 from forest_sim.solver.equilibrium import equilibrium
@@ -47,7 +47,7 @@ class SensorRun:
         is_random = suite.faults or any(channel.noise for channel in suite.channels)
         self._generator = noise_generator(suite, run) if is_random else None
         self._state = sensor_readings.at_rest(simulation, plant, suite, around)
-        self._constants = Sensors(plant, suite.channels, suite.period, around), links
+        self._constants = sensor_readings.sensors(plant, suite, around), links
         self.at_rest = sensor_readings.report_at_rest(self._state, simulation, self._constants)
         kernel = KERNEL.ready()
         self._report = CompiledStep(kernel, _example()) if kernel else sensor_readings.report
@@ -74,7 +74,7 @@ def _example() -> Example:
     plant, links = plant_parameters(machine), machine.manipulator.links
     simulation, around = equilibrium((0.0, 0.5, -1.5), plant), sensor_readings.surroundings(machine)
     state = sensor_readings.at_rest(simulation, plant, EXACT_SUITE, around)
-    known = Sensors(plant, EXACT_SUITE.channels, 0.0, around), links
+    known = sensor_readings.sensors(plant, EXACT_SUITE, around), links
     state, report = sensor_readings.report(state, simulation, NO_DRAWS.normal, known, PERIOD)
     return Example(state, (simulation, NO_DRAWS.normal), known, report)
 

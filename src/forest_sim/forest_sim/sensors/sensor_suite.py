@@ -7,6 +7,9 @@ taking one away changes no other.
 
 Without noise a suite is exact: no error, lag, floor, resolution, range or sampling; absences and
 faults hold.
+
+Boom and stick have either resolvers or what `sensors.joint_angles` names. So their inertial units
+have the draws that would be their resolvers', and leave all other draws as they are.
 """
 
 import math
@@ -19,8 +22,9 @@ import numpy as np
 from forest_description.machine import Machine
 from forest_description.mechanics.drives import CylinderDrive
 from forest_description.sensors.sensor_calibration import Unit, line_of
-from forest_description.sensors.sensor_kinds import FlowMeter, LinearTransducer
+from forest_description.sensors.sensor_kinds import ANGLE_KINDS, FlowMeter, InertialUnit, LinearTransducer
 from forest_description.types import AXES
+from forest_sim.sensors.inertial_unit import EARTH, Mounting
 from forest_sim.sensors.sensor_model import ABSENT, EXACT, SensorModel
 
 PORTS = tuple(f"{port}_{place}" for port in (1, 2) for place in ("valve", "actuator"))
@@ -49,6 +53,7 @@ KINDS = (
     Kind("spool_sensor", "V", tuple(f"{axis}_spool" for axis in AXES)),
     Kind("inclinometer", "rad", ("platform_pitch", "platform_roll")),
     Kind("case_drain", "m3/s", ("case_drain",)),
+    Kind("inertial_unit", "rad", ("boom_inertial_unit", "stick_inertial_unit")),
 )
 CHANNELS = tuple(channel for kind in KINDS for channel in kind.channels)
 PLACES = {
@@ -56,6 +61,14 @@ PLACES = {
     for kind in KINDS
 }
 UNIT = {channel: kind.unit for kind in KINDS for channel in kind.channels}
+DRAWN = tuple(name for name in CHANNELS if not name.endswith("_inertial_unit"))
+DRAW_OF = [DRAWN.index(name.replace("inertial_unit", "resolver")) for name in CHANNELS]
+
+# What boom's and stick's angles are made of.
+RESOLVERS = 0
+CYLINDERS = 1
+INERTIAL_UNITS = 2
+ANGLES = dict(zip(ANGLE_KINDS, (RESOLVERS, CYLINDERS, INERTIAL_UNITS), strict=True))
 
 
 class Fault(NamedTuple):
@@ -77,6 +90,8 @@ class Suite(NamedTuple):
     period: float = 0.0  # [s] between samples; 0: whenever asked
     faults: tuple[Fault, ...] = ()
     seed: int = 0
+    angles: int = RESOLVERS  # what boom's and stick's are made of
+    mounting: Mounting = Mounting()
 
 
 class Draws(NamedTuple):
@@ -100,16 +115,21 @@ def sensor_suite(
     shares = iter(np.random.default_rng([seed, 0]).uniform(-1.0, 1.0, len(CHANNELS)).tolist())
     channels = []
     for kind in KINDS:
-        fitted = getattr(machine.sensors, kind.name) is not None
         for name in kind.channels:
-            share = next(shares)
+            share, fitted = next(shares), _is_fitted(machine, kind.name, name)
             made = (
                 _calibrated(_channel(kind.name, name, machine, share), name, machine)
                 if fitted and noise
                 else EXACT
             )
             channels.append(made if fitted else made._replace(mode=ABSENT))
-    return Suite(tuple(channels), 1.0 / machine.sensors.sample_rate if noise else 0.0, faults, seed)
+    period = 1.0 / machine.sensors.sample_rate if noise else 0.0
+    return Suite(tuple(channels), period, faults, seed, angles_of(machine), _mounting(machine))
+
+
+def angles_of(machine: Machine) -> int:
+    """Return what boom's and stick's angles are made of."""
+    return ANGLES[machine.sensors.joint_angles or "resolver"]
 
 
 def calibrated(suite: Suite) -> Suite:
@@ -129,8 +149,10 @@ def noise_generator(suite: Suite, run: str = "") -> np.random.Generator:
 
 def draw(generator: np.random.Generator) -> Draws:
     """Draw for one sample of every channel."""
-    count = len(CHANNELS)
-    return Draws(generator.standard_normal(count).tolist(), generator.random(count).tolist())
+    count = len(DRAWN)
+    return Draws(
+        generator.standard_normal(count)[DRAW_OF].tolist(), generator.random(count)[DRAW_OF].tolist()
+    )
 
 
 def conditions(suite: Suite, time: float, uniform: Sequence[float]) -> tuple[SensorModel, ...]:
@@ -156,7 +178,9 @@ def _channel(kind: str, name: str, machine: Machine, share: float) -> SensorMode
         return _flow_meter(sensors.flow_meter, share)
     if kind == "linear_transducer" and sensors.linear_transducer is not None:
         drive = machine.boom if name.startswith("boom") else machine.stick
-        return _linear_transducer(sensors.linear_transducer, drive)
+        return _linear_transducer(sensors.linear_transducer, drive, share)
+    if kind == "inertial_unit" and sensors.inertial_unit is not None:
+        return _inertial_unit(sensors.inertial_unit, share, 1.0 / sensors.sample_rate)
     part = getattr(sensors, kind)
     error, low, high = (part.accuracy or 0.0) * share, -math.inf, math.inf
     exact = SensorModel(noise=part.noise or 0.0)
@@ -194,12 +218,40 @@ def _flow_meter(meter: FlowMeter, share: float) -> SensorModel:
     )
 
 
-def _linear_transducer(transducer: LinearTransducer, drive: CylinderDrive) -> SensorModel:
+def _linear_transducer(transducer: LinearTransducer, drive: CylinderDrive, share: float) -> SensorModel:
     """Return a transducer whose range reaches as far beyond either end of the stroke. Thesis table 4.2."""
     low = drive.retracted_length - 0.5 * (transducer.full_scale - drive.stroke)
     return SensorModel(
+        bias=transducer.full_scale * (transducer.accuracy or 0.0) * share,
         resolution=transducer.full_scale * (transducer.resolution or 0.0),
         noise=transducer.noise or 0.0,
         low=low,
         high=low + transducer.full_scale,
+        play=transducer.play or 0.0,
     )
+
+
+def _inertial_unit(unit: InertialUnit, share: float, period: float) -> SensorModel:
+    """Return a unit that has run for long: its gyro's bias is a part of its static error."""
+    time = unit.time_constant
+    noise = math.hypot(time * (unit.gyro_noise or 0.0), (unit.accelerometer_noise or 0.0) / EARTH)
+    return SensorModel(
+        time_constant=time,
+        bias=share * ((unit.accuracy or 0.0) + time * (unit.gyro_bias or 0.0)),
+        noise=noise * math.sqrt(period),
+        resolution=unit.resolution or 0.0,
+    )
+
+
+def _is_fitted(machine: Machine, kind: str, name: str) -> bool:
+    """Tell whether a machine has a channel: no resolver at boom and stick if others make their angles."""
+    instead = angles_of(machine) != RESOLVERS and name in ("boom_resolver", "stick_resolver")
+    return getattr(machine.sensors, kind) is not None and not instead
+
+
+def _mounting(machine: Machine) -> Mounting:
+    """Return where the inertial units are; without them nowhere."""
+    links, unit, g = machine.manipulator.links, machine.sensors.inertial_unit, machine.manipulator.gravity
+    if unit is None:
+        return Mounting()
+    return Mounting(links.base_offset, links.boom, unit.boom_distance, unit.stick_distance, g)

@@ -3,6 +3,9 @@
 - Speeds: backward difference of the positions read, behind a first-order low-pass
   (`SPEED_BANDWIDTH`); causal, so it lags. Over the time since the last sample, so that a lost one
   does not look like a jump.
+- Angles of boom and stick: from their resolvers, or from what stands in for these
+  (`sensor_suite.ANGLES`): from the cylinders' lengths through the linkages, or from inertial units'
+  attitudes, the stick's less the boom's.
 - Forces and torques: from the pressures read at the actuators and, for torques, the angles read.
 
 NaN stands for what there is no reading of, and for what would be derived from it.
@@ -18,17 +21,20 @@ NaN stands for what there is no reading of, and for what would be derived from i
 import math
 from typing import NamedTuple
 
-from forest_description.geometry.linkage import lever_arm
+from forest_description.geometry.linkage import angle_at, lever_arm
 from forest_description.types import Vec3
 from forest_sim.equations.plant_parameters import PlantParameters
 from forest_sim.hydraulics.actuator import Actuator
-from forest_sim.sensors.sensor_suite import PLACES
+from forest_sim.sensors.sensor_suite import CYLINDERS, INERTIAL_UNITS, PLACES
 
 SPEED_BANDWIDTH = 25.0  # [Hz]
 
 PRESSURES = PLACES["pressure"].start  # where these channels begin
+BOOM_UNIT = PLACES["inertial_unit"].start
+STICK_UNIT = BOOM_UNIT + 1
 
 Readings = tuple[float, ...]
+Positions = tuple[float, ...]  # joints, then actuators
 Estimates = tuple["SpeedEstimate", ...]  # joints, then actuators
 
 
@@ -74,9 +80,8 @@ def estimate_speed(e: SpeedEstimate, position: float, dt: float, due: bool) -> S
     return SpeedEstimate(position, speed, 0.0)
 
 
-def updated_estimates(before: Estimates, readings: Readings, dt: float, due: bool) -> Estimates:
+def updated_estimates(before: Estimates, position: Positions, dt: float, due: bool) -> Estimates:
     """Return the estimates of all six speeds `dt` [s] later."""
-    position = positions(readings)
     return tuple([estimate_speed(before[i], position[i], dt, due) for i in range(6)])
 
 
@@ -86,10 +91,15 @@ def force(pressure_1: float, pressure_2: float, a: Actuator) -> float:
 
 
 def measurement(
-    readings: Readings, estimates: Estimates, p: PlantParameters, supply_flow: float, supply_saturation: float
+    readings: Readings,
+    position: Positions,
+    estimates: Estimates,
+    p: PlantParameters,
+    supply_flow: float,
+    supply_saturation: float,
 ) -> Measurement:
     """Return readings, in the order of `CHANNELS`, by quantity, with what is derived from them."""
-    position, at = positions(readings), tuple([readings[PRESSURES + i] for i in range(12)])
+    at = tuple([readings[PRESSURES + i] for i in range(12)])
     speeds = tuple([_speed_or_nan(estimates[i], position[i]) for i in range(6)])
     forces = (
         force(at[1], at[3], p.swing.actuator),
@@ -109,9 +119,17 @@ def measurement(
     )
 
 
-def positions(readings: Readings) -> tuple[float, ...]:
-    """Return the positions read of 3 joints and 3 actuators; the swing's resolver serves both."""
-    return readings[0], readings[1], readings[2], readings[0], readings[3], readings[4]
+def positions(readings: Readings, angles: int, p: PlantParameters) -> Positions:
+    """Return the positions read of 3 joints and 3 actuators; the swing's resolver serves both.
+
+    Thesis App. A, first two equations, for angles by the cylinders.
+    """
+    boom, stick = readings[1], readings[2]
+    if angles == CYLINDERS:
+        boom, stick = angle_at(readings[3], p.boom_linkage), angle_at(readings[4], p.stick_linkage)
+    elif angles == INERTIAL_UNITS:
+        boom, stick = readings[BOOM_UNIT], readings[STICK_UNIT] - readings[BOOM_UNIT]
+    return readings[0], boom, stick, readings[0], readings[3], readings[4]
 
 
 def _speed_or_nan(e: SpeedEstimate, position: float) -> float:

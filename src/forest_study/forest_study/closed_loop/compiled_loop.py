@@ -22,7 +22,7 @@ from forest_msgs_py.types import PERIOD
 from forest_sim.equations.plant_parameters import PlantParameters, plant_parameters
 from forest_sim.sensors import sensor_suite
 from forest_sim.sensors.sensor_readings import CHANNEL_COUNT
-from forest_sim.sensors.sensor_suite import Suite, noise_generator
+from forest_sim.sensors.sensor_suite import DRAW_OF, DRAWN, Suite, noise_generator
 from forest_sim.solver.load_change import changed_load
 from forest_study.closed_loop import closed_loop, loop_core, loop_kernel, path_guide
 from forest_study.closed_loop.closed_loop import ClosedLoop, Joystick, Operator, Trajectory
@@ -308,10 +308,11 @@ def draws(suite: Suite, rows: int) -> Floats:
 @lru_cache(maxsize=32)
 def _drawn(seed: int, rows: int) -> Floats:
     """Return a seed's draws, which runs that differ in all else share: a megabyte for 20 s, read-only."""
-    generator, normals = noise_generator(Suite((), seed=seed)), np.empty((rows, CHANNEL_COUNT))
-    unused = np.empty(CHANNEL_COUNT)
-    for row in normals:
+    generator, drawn = noise_generator(Suite((), seed=seed)), np.empty((rows, len(DRAWN)))
+    unused = np.empty(len(DRAWN))
+    for row in drawn:
         generator.standard_normal(out=row)
         generator.random(out=unused)
+    normals = np.take(drawn, DRAW_OF, axis=1)
     normals.flags.writeable = False
     return normals

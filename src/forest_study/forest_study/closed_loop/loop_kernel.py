@@ -17,7 +17,6 @@ from forest_description.machine import Machine, load_machine
 from forest_description.types import Floats, Vec3
 from forest_sim.equations.plant_parameters import plant_parameters
 from forest_sim.sensors import sensor_readings, sensor_suite
-from forest_sim.sensors.sensor_readings import NOMINAL, Sensors
 from forest_sim.sensors.sensor_suite import Suite
 from forest_sim.solver import plant_kernel
 from forest_sim.solver.equilibrium import equilibrium
@@ -44,7 +43,7 @@ def knowledge(
 ) -> Knowledge:
     """Return all that stays in a run."""
     return Knowledge(
-        sensors=Sensors(plant_parameters(machine), suite.channels, suite.period, NOMINAL),
+        sensors=sensor_readings.sensors(plant_parameters(machine), suite),
         links=machine.manipulator.links,
         control=controller_settings.parameters(model, control),
         drive=valve_driver_parameters.parameters(model, drive),

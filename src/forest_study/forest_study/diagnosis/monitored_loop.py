@@ -153,9 +153,9 @@ def _flat(kind: str, value: Any) -> Floats:
 
 def draws(suite: Suite, rows: int) -> Floats:
     """Return a run's draws [rows, channels]; one generator, told all at once."""
-    return sensor_suite.noise_generator(suite, "diagnosis").standard_normal(
-        (rows, len(sensor_suite.CHANNELS))
-    )
+    generator = sensor_suite.noise_generator(suite, "diagnosis")
+    drawn = generator.standard_normal((rows, len(sensor_suite.DRAWN)))
+    return np.take(drawn, sensor_suite.DRAW_OF, axis=1)
 
 
 @lru_cache(maxsize=1)
