@@ -6,6 +6,7 @@ import math
 import numpy as np
 import pytest
 
+from forest_description.geometry.kinematics import Links, tip_position
 from forest_description.machine import load_machine
 from forest_description.sensors.sensor_kinds import InertialUnit
 from forest_sim.equations.plant_parameters import plant_parameters
@@ -86,14 +87,16 @@ def test_without_noise_the_units_are_exact_in_any_motion():
     assert np.abs(errors(followed(motion, 100, noise=False), motion)).max() < 1e-14
 
 
-def test_a_steady_swing_tilts_each_unit_by_its_own_radius():
+@pytest.mark.parametrize("gravity", [G, 3.7])
+def test_a_steady_swing_tilts_each_unit_by_its_own_radius(gravity):
     def swinging(time):
         return (Q[0] + 0.8 * time, *Q[1:]), (0.8, 0.0, 0.0)
 
     boom_radius = LINKS.base_offset + 2.0 * math.cos(0.5)
     stick_radius = LINKS.base_offset + LINKS.boom * math.cos(0.5) + 1.5 * math.cos(-1.0)
-    boom, stick = (-math.atan(radius * 0.8**2 / G) for radius in (boom_radius, stick_radius))
-    off = errors(followed(swinging, 2000), swinging)
+    boom, stick = (-math.atan(radius * 0.8**2 / gravity) for radius in (boom_radius, stick_radius))
+    elsewhere = dataclasses.replace(C180.manipulator, gravity=gravity)
+    off = errors(followed(swinging, 2000, dataclasses.replace(fitted(), manipulator=elsewhere)), swinging)
     assert off[-1] == pytest.approx((boom, stick - boom), rel=1e-8)
     there = 1.0 - math.exp(-1.0)  # of a lag of 0.5 s after as long
     assert off[99] == pytest.approx((there * boom, there * (stick - boom)), rel=1e-9)
@@ -116,6 +119,39 @@ def test_a_boom_that_gathers_speed_misleads_its_unit_by_what_its_place_feels():
     middles = (np.arange(30_000) + 0.5) * 5e-5  # of 1.5 s
     weights = np.exp(-(1.5 - middles) / constant) / constant * 5e-5
     assert off == pytest.approx(np.dot(weights, [tilt(time) for time in middles]), rel=0.005)
+
+
+def test_any_motion_tilts_what_is_felt_by_the_acceleration_of_the_units_place():
+    """Against second differences of the places in space; the filter is fast beside the motion."""
+    machine, dt = fitted(time_constant=0.01), 1e-3
+
+    def angles(time):
+        return np.array(
+            [0.9 * time + 0.1, 0.6 + 0.3 * math.sin(2.0 * time), -1.4 + 0.4 * math.cos(3.0 * time)]
+        )
+
+    def motion(time):
+        return tuple(angles(time)), tuple((angles(time + 1e-6) - angles(time - 1e-6)) / 2e-6)
+
+    def alpha(time, place):
+        before, now, after = (np.array(place(*angles(time + step))) for step in (-1e-4, 0.0, 1e-4))
+        felt = (before - 2.0 * now + after) / 1e-8 + (0.0, 0.0, G)
+        swing = angles(time)[0]
+        return math.atan2(felt[0] * math.cos(swing) + felt[1] * math.sin(swing), felt[2])
+
+    def boom_unit(swing, boom, _stick):
+        return tip_position((swing, boom, 0.0), Links(LINKS.base_offset, 2.0, 0.0))
+
+    def stick_unit(*q):
+        return tip_position(q, LINKS._replace(stick=1.5))
+
+    off = errors(followed(motion, 900, machine, dt=dt), motion, dt)
+    for row in (299, 599, 899):
+        felt = (row + 1) * dt - 0.0105  # the lag, and half of the time that a mean acceleration is over
+        boom, stick = alpha(felt, boom_unit), alpha(felt, stick_unit)
+        assert off[row] == pytest.approx((boom, stick - boom), abs=2e-3)
+        assert abs(boom) > 0.03
+        assert abs(stick) > 0.03
 
 
 def test_the_unit_of_the_stick_feels_the_booms_end():
@@ -160,7 +196,7 @@ def test_noise_wanders_as_gyro_or_accelerometers_make_it(changes, wanted):
     memory, readings = SensorMemory(0.0, 0.0), []
     for normal in normals.standard_normal(100_000).tolist():
         channel, taken_in = filtered(unit, 0.2, 0.0, normal, DT)
-        memory, reading = sample(channel, memory, taken_in, DT, 0.0)
+        memory, reading = sample(channel, memory, taken_in, DT, normal)
         readings.append(reading)
     assert np.std(readings[1000:]) == pytest.approx(wanted, rel=0.1)
 
@@ -171,6 +207,29 @@ def test_a_gyro_bias_is_a_static_error_of_bias_times_the_filters_time():
     ]
     of_bias, of_accuracy = (suite.channels[-2].bias for suite in bounds)
     assert of_bias == pytest.approx(of_accuracy) != 0.0
+
+
+def test_a_static_error_and_steps_are_in_the_reading():
+    machine = fitted(accuracy=0.005)
+    bias = sensor_suite(machine, True, 0).channels[-2].bias
+    assert abs(bias) > 1e-3
+    assert followed(standing, 2, machine)[-1].joints.position[1] == pytest.approx(0.5 + bias, abs=1e-12)
+    stepped = followed(standing, 2, fitted(resolution=0.07))[-1]
+    assert stepped.of_kind("inertial_unit") == pytest.approx((0.49, -0.98))
+
+
+def test_on_a_bent_link_a_unit_has_its_roots_angle_and_the_acceleration_of_what_is_heavy():
+    real = load_machine("c180")
+    sensors = dataclasses.replace(real.sensors, inertial_unit=UNIT, joint_angles="inertial_unit")
+    crane = dataclasses.replace(real, sensors=sensors)
+    p, suite = plant_parameters(crane), sensor_suite(crane, True)
+    rest = equilibrium(Q, p)
+    ringing = rest.plant.roots.boom._replace(rate=0.5)  # the root alone
+    state = sensor_readings.at_rest(rest, p, suite)
+    rung = rest._replace(plant=rest.plant._replace(roots=rest.plant.roots._replace(boom=ringing)))
+    _, seen = sensor_readings.measure(rung, state, p, DT, suite)
+    assert seen.joints.position[1] - suite.channels[-2].bias == pytest.approx(ringing.angle, abs=1e-12)
+    assert ringing.angle != pytest.approx(Q[1], abs=1e-4)
 
 
 def test_a_frozen_unit_of_the_boom_freezes_the_boom_and_the_stick_goes_on():

@@ -172,6 +172,5 @@ class Sensors(ParameterSet):
         super().__post_init__()
         if self.joint_angles is not None and getattr(self, self.joint_angles) is None:
             fitted = [kind for kind in ANGLE_KINDS if getattr(self, kind) is not None]
-            raise MachineError(
-                f"joint_angles: {self.joint_angles} is not fitted; allowed: {', '.join([*fitted, 'its numbers'])}"
-            )
+            allowed = ", ".join([*fitted, "its numbers"])
+            raise MachineError(f"joint_angles: {self.joint_angles} is not fitted; allowed: {allowed}")
