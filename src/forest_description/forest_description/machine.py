@@ -78,10 +78,9 @@ class Machine(ParameterSet):
     def __post_init__(self) -> None:
         """Check ranges, where the joints go, the port valves, and what hoses known by their bore need."""
         super().__post_init__()
-        if not self.name.isprintable() or self.name[:1] in ("", ".") or {"/", "\\"} & set(self.name):
+        if not self.name.isprintable() or not self.name or {"/", "\\"} & set(self.name):
             raise MachineError(
-                f"name ({self.name!r}): files are named by it; allowed: printable characters but / and \\, "
-                "a dot not first"
+                f"name ({self.name!r}): files are named by it; allowed: printable characters but / and \\"
             )
         self._check_joints()
         valves, supply = self.port_valves, self.pump.supply_pressure
