@@ -254,7 +254,7 @@ SENSORS = {
     "resolver counts back": Fault(
         "one counts the other way",
         "The servo drives away from its reference until the joint has gone against its commands for some"
-        " tenths of a second. At a limit, or where it is hardly asked to move, it may not be named: gap.",
+        " tenths of a second. Where it is hardly asked to move, it may not be named: gap.",
         same(Bound(speed=1.5, again=False), DRIVEN, MOTION=Bound(zero=1.0, again=False))
         | {State.EXPERIMENT: Bound(again=False)},
         seen=wires.reversed_axis,
@@ -339,7 +339,7 @@ VALVES = {
     "valve wired the other way": Fault(
         "one, in motion",
         "As a resolver that counts back; also a swing that goes to and fro on its oil.",
-        same(Bound(speed=2.5, again=False), DRIVEN) | {State.EXPERIMENT: Bound(again=False)},
+        same(Bound(speed=1.6, again=False), DRIVEN) | {State.EXPERIMENT: Bound(again=False)},
         volts=wires.crossed_valves,
     ),
     "valves' cable cut": Fault(
@@ -349,8 +349,8 @@ VALVES = {
         volts=wires.no_volts,
     ),
 }
-NO_OIL = ("the supply", "overload")
-NO_SUPPLY = {State.EXPERIMENT: Bound(told="the supply", again=False)}
+NO_OIL = Bound(zero=0.25, speed=0.7, told="the supply", told_within=0.25, again=False)
+NO_SUPPLY = same(NO_OIL, DRIVEN) | {State.EXPERIMENT: Bound(told="the supply", again=False)}
 MACHINE = {
     "cylinders' pipes torn": Fault(
         "180 L/min at 10 MPa out of each port, before the load-holding valves",
@@ -365,22 +365,21 @@ MACHINE = {
     ),
     "supply lost": Fault(
         "the pumps give nothing",
-        "The driver shuts the valves and says why, or sooner the controller, of a joint that stands; in an"
-        " experiment its operator node.",
-        same(Bound(off=1.4, told=NO_OIL, told_within=1.3, again=False), DRIVEN) | NO_SUPPLY,
+        "The driver shuts the valves and says why; in an experiment its operator node.",
+        NO_SUPPLY,
         breaks=wires.no_supply,
         for_good=True,
     ),
     "supply lost for 2 s": Fault(
         "the same, and back at once",
         "Its return moves nothing before the deadman was released.",
-        same(Bound(zero=1.3, speed=0.7, told=NO_OIL, told_within=1.3), DRIVEN) | NO_SUPPLY,
+        NO_SUPPLY | same(NO_OIL._replace(again=True), DRIVEN),
         breaks=wires.no_supply,
     ),
     "engine stalled": Fault(
         "it stands still",
         "As a supply that is lost.",
-        same(Bound(off=1.4, told=NO_OIL, told_within=1.3, again=False), DRIVEN) | NO_SUPPLY,
+        NO_SUPPLY,
         breaks=wires.stalled,
         for_good=True,
     ),
