@@ -41,9 +41,7 @@ TOGETHER = (0.4, 0.3, 0.3)  # [s] of the means: joints rock on their oil, and lo
 AGAINST = (2e-3, 1e-3, 2e-3)  # [rad^2/s^2] of the mean of -w v; a log that sways gave a swing 1e-3
 BORNE = 0.9  # [1] of the pump's pressure in the side that is fed, from which a load presses the boom back
 WIDE = 0.4  # [1] of the way from the overlap's edge to the rated voltage, from which it counts all the same
-OWED = (
-    0.03  # [rad] twice the deficit of a joint that goes: 0.014 of the forwarder's swing, 0.011 in the matrix
-)
+OWED = 0.03  # [rad] of deficit, twice a sound joint's: 0.014 of the forwarder's swing, 0.011 in the matrix
 OWED_LAG = 0.1  # [s] of both low-passes: what rocks at 4 Hz on its oil is no answer, what trembles no command
 ANSWERS = 0.1  # [1] of u, at which a deficit grows no more
 STARTS = 0.3  # [s] the deficit may be greater at a step of its lever: spool and oil take so long, at any rate
