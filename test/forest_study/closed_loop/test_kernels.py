@@ -58,7 +58,7 @@ def test_the_digest_covers_every_function_that_is_translated(monkeypatch, name):
 @pytest.mark.parametrize(
     ("module", "name", "value", "others"),
     [
-        (friction, "_magnitude", port.is_shut, {"plant", "loop", "actuator"}),
+        (friction, "pressed", port.is_shut, {"plant", "loop", "actuator"}),
         (integrator, "GAMMA", 0.5, {"plant", "loop"}),
         (stop_profile, "velocity_left", port.is_shut, {"controller", "loop"}),
         (steps, "rate", port.is_shut, {"actuator"}),
