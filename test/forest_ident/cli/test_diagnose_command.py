@@ -86,3 +86,10 @@ def test_a_bag_without_angles_is_refused(tmp_path, capsys):
     session_bag.write(session, tmp_path / "bare")
     assert verbs.main(["diagnose", str(tmp_path / "bare"), "--machine", "c180_hoses"]) != 0
     assert "no topic joint_states; the monitor needs angles and voltages" in capsys.readouterr().err
+
+
+def test_a_machine_without_resolvers_at_boom_and_stick_is_refused(tmp_path, capsys):
+    file = tmp_path / "cable.yaml"
+    file.write_text("based_on: c180\nsensors:\n  joint_angles: linear_transducer\n", encoding="utf-8")
+    assert verbs.main(["diagnose", "nowhere", "--machine", str(file)]) == 1
+    assert "cable has the angles of boom and stick by its linear_transducer" in capsys.readouterr().err

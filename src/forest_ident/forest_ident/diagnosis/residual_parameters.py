@@ -3,6 +3,7 @@
 import math
 from typing import NamedTuple
 
+from forest_description.config.parameter import MachineError
 from forest_description.geometry.linkage import Linkage, linkage_of
 from forest_description.hydraulics.oil import COLDEST, HOTTEST, SQUARE_MILLIMETRES, WALTHER_OFFSET, Oil
 from forest_description.hydraulics.valve_characteristic import ValveLaw
@@ -58,7 +59,17 @@ class Parameters(NamedTuple):
 
 
 def parameters(machine: Machine) -> Parameters:
-    """Return the monitor's numbers of a machine, in SI units but for volts at the valves."""
+    """Return the monitor's numbers of a machine, in SI units but for volts at the valves.
+
+    Raises:
+        MachineError: boom and stick have no resolvers: the monitor knows no other angles' errors.
+    """
+    angles = machine.sensors.joint_angles
+    if angles not in (None, "resolver"):
+        raise MachineError(
+            f"{machine.name} has the angles of boom and stick by its {angles}; allowed: a crane with resolvers: "
+            "the monitor knows no other angles' errors"
+        )
     plant = plant_parameters(machine)
     swing, boom, stick = (_axis(machine, plant, i) for i in range(3))
     kind_of = {channel: kind.name for kind in KINDS for channel in kind.channels}
