@@ -67,8 +67,8 @@ def parameters(machine: Machine) -> Parameters:
     angles = machine.sensors.joint_angles
     if angles not in (None, "resolver"):
         raise MachineError(
-            f"{machine.name} has the angles of boom and stick by its {angles}; allowed: a crane with resolvers: "
-            "the monitor knows no other angles' errors"
+            f"{machine.name} has the angles of boom and stick by its {angles}; allowed: a crane with "
+            "resolvers: the monitor knows no other angles' errors"
         )
     plant = plant_parameters(machine)
     swing, boom, stick = (_axis(machine, plant, i) for i in range(3))
