@@ -1,8 +1,17 @@
 """Claims about a forwarder in the closed loop: what pressed oil and load feedback are worth to it."""
 
+import pytest
+
 from forest_control.valve import valve_driver_parameters
 from forest_control.valve.inlet_oil import FreeAir, Holding
 from forest_study.notebook import closed_loop
+
+
+@pytest.fixture(autouse=True)
+def remake(monkeypatch):
+    """Parameters are kept while file and settings stay: have them made without what a test leaves out."""
+    make = valve_driver_parameters.parameters.__wrapped__
+    monkeypatch.setattr(valve_driver_parameters, "parameters", make)
 
 
 def test_pressed_oil_takes_a_third_of_what_the_tip_of_a_forwarder_falls_behind_by(monkeypatch):
