@@ -17,7 +17,15 @@ from packaging.utils import canonicalize_name
 ROOT = Path(__file__).resolve().parents[1]
 OWN = {path.name for path in ROOT.glob("src/forest_*")}
 NAMED = {"evdev": "evdev-binary", "foxglove": "foxglove-sdk", "yaml": "pyyaml"}
-OPTIONAL = {"sympy", "pyarrow", "distributed", "gymnasium", "launch", "launch_ros"}  # what needs one says so
+OPTIONAL = {
+    "sympy",
+    "pyarrow",
+    "dask",
+    "distributed",
+    "gymnasium",
+    "launch",
+    "launch_ros",
+}  # what needs one says so
 toml = pytest.importorskip("tomllib" if sys.version_info >= (3, 11) else "tomli")
 EXTRAS = toml.loads((ROOT / "pyproject.toml").read_text("utf-8"))["project"]["optional-dependencies"]
 LOCKS = [

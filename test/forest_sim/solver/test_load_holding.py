@@ -161,7 +161,7 @@ class _Link:
     """The triangle of a cylinder, by names of its own."""
 
     def __init__(self, linkage):
-        self.a, self.b, self.offset = linkage
+        self.a, self.b, self.offset = linkage[:3]
 
 
 def test_a_rupture_valve_lets_the_boom_down_below_its_flow_and_shuts_above_it():
