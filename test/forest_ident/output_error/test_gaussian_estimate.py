@@ -69,3 +69,4 @@ def test_a_later_estimate_is_taken_for_some_names_and_for_what_is_new():
     assert found.mean.tolist() == [1.0, 2.5, 3.5]
     assert found.covariance.tolist() == [[4.0, 0.0, 0.0], [0.0, 0.2, 0.05], [0.0, 0.05, 0.3]]
     assert found.moves(("rig", "free", "new"), 1).tolist() == [[0.0], [6.0], [7.0]]
+    assert before.taken(later._replace(slopes=None), ["free"]).slopes is None

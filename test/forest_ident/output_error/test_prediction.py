@@ -50,3 +50,10 @@ def test_a_row_is_read_with_the_oil_of_its_time():
     one, other = case_drain(313.0, 318.0, 323.0), case_drain(313.0, 318.0, 328.0)
     np.testing.assert_array_equal(one[:801], other[:801])  # the state at a block's end belongs to it
     assert np.all(other[801:811] > one[801:811])  # thinner oil leaks more
+
+
+def test_an_angle_that_a_record_starts_from_may_be_off_what_is_read():
+    machine = load_machine("c180_hoses")
+    record = experiment("damping_boom", machine, seed=1, longest=2.0)
+    off = predict(machine, record, start={"boom_resolver": 0.01})["boom_resolver"]
+    assert off[0] - predict(machine, record)["boom_resolver"][0] == pytest.approx(0.01, abs=1e-9)

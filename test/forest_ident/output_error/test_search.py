@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from forest_ident.output_error import search
 from forest_ident.output_error.fit_problem import Channel, Unknown
 from forest_ident.output_error.output_error import fit
 
@@ -59,3 +60,19 @@ def iterations(stated):
 
 def test_a_search_ends_at_a_tenth_of_the_interval_stated_numbers_counted():
     assert iterations([{"told": 1.1}]) < iterations([])
+
+
+def test_a_step_with_new_derivatives_begins_without_the_damping_of_a_refused_one(monkeypatch):
+    begun, step = [], search.Search._step
+
+    def refused_at_first(self, model, at, jacobian, least):
+        begun.append(at.damping)
+        if len(begun) == 1:
+            return at._replace(damping=1e6, moved=0.0, fall=1e9)  # far from its end
+        return step(self, model, at, jacobian, least)
+
+    monkeypatch.setattr(search.Search, "_step", refused_at_first)
+    unknowns = [Unknown("size", 1.9), Unknown("rate", 2.9)]
+    found = fit(Counted(), {"y": read()}, [Channel("y", 1e-3)], unknowns)
+    assert begun[:2] == [search.DAMPING, search.DAMPING]
+    assert found.values["size"] == pytest.approx(2.0, abs=4.0 * found.errors["size"])

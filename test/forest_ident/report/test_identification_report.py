@@ -20,6 +20,8 @@ def page(tmp_path):
     estimate = Estimate(key, 1.01, 0.01, "V", 12.34, "output error", positive=False)
     result = Result(C180, C180, {key: estimate})
     result.linear = [estimate]
+    stick = "manipulator.stick_mass"
+    result.told = {stick: Estimate(stick, 560.0, 9.0, "kg", 12.34, "output error", False, stated=0.5)}
     result.remarks = ["a remark with <b> & more"]
     result.calibration = [Offset("supply_pressure", 1234.5, 20.0, "Pa")]
     judged = Verdict(BUT_FOR, (), {key: "a reason <of> its own"})
@@ -38,6 +40,11 @@ def test_an_estimate_stands_beside_the_start_with_its_interval(page):
     found = ["1", "1.01", "V", "+1.00", "0.9904 .. 1.0296", "0 ", "12.3", "output error"]
     assert ["valve.deadband_voltage", *found] in rows(page)
     assert ["valve.deadband_voltage", "1.01", "0.01", "12.3", "output error"] in rows(page)
+
+
+def test_a_stated_number_stands_there_as_the_records_have_it(page):
+    found = ["544.32", "560", "kg", "+2.88", "542.36 .. 577.64", "50 ", "12.3", "output error"]
+    assert ["manipulator.stick_mass", *found] in rows(page)
 
 
 def test_a_sensor_has_an_offset_and_no_gain_that_was_not_estimated(page):

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from forest_description.machine import load_machine
+from forest_ident.cli import fit_tables
 from forest_ident.estimators.parameter_estimate import Estimate, unit_of
 from forest_ident.measurements.session import Session
 from forest_ident.output_error.fit_problem import Fit
@@ -11,6 +12,7 @@ from forest_ident.output_error.gaussian_estimate import EMPTY
 from forest_ident.output_error.residual_test import ResidualTest
 from forest_ident.refinement import data_quality
 from forest_ident.refinement.result import Doubt, Refined, Result
+from forest_ident.report import machine_writer
 from forest_ident.validation.prediction_error import Signal, over_limit
 from forest_ident.validation.verdict import BUT_FOR, NOT_TRUSTED, TRUSTED, verdict
 
@@ -129,11 +131,21 @@ def test_a_record_that_asks_for_more_than_a_person_may_have_told_wrong_is_a_doub
 
 @pytest.mark.parametrize("withheld", [False, True])
 def test_the_sources_of_a_machine_file_say_so(withheld, tmp_path):
-    from forest_ident.report import machine_writer
-
     result = result_with(withheld=withheld)
     machine_writer.write(result, "c180_hoses", tmp_path / "found.yaml", {"stick.damping": 'why "not"'})
     text = (tmp_path / "found.yaml").read_text()
     assert ("95 % interval withheld" in text) == withheld
     assert "not trusted: why 'not'" in text
     assert sorted(path.name for path in tmp_path.iterdir()) == ["found.yaml"]
+
+
+def test_a_doubt_of_a_stated_number_stands_with_it_and_not_in_the_verdict(tmp_path):
+    result = result_with()
+    stick = "manipulator.stick_mass"
+    result.told = {stick: Estimate(stick, 560.0, 9.0, "kg", 1.0, "output error", False, "a reason")}
+    result.doubts = [Doubt("a reason", (KEYS[0], stick), frozenset())]
+    assert verdict(result).lines[0] == "trusted but for boom.damping"
+    machine_writer.write(result, "c180_hoses", tmp_path / "mine.yaml")
+    (line,) = [x for x in (tmp_path / "mine.yaml").read_text().splitlines() if "stick_mass" in x]
+    assert "542.36 .. 577.64; not trusted: a reason" in line
+    assert fit_tables.text_table(result).count("warning: a reason") == 1

@@ -4,7 +4,8 @@ import math
 
 from forest_description.machine import Machine
 from forest_ident.estimators.calibration import Offset
-from forest_ident.refinement.result import Result, table, value_in
+from forest_ident.estimators.parameter_estimate import Estimate
+from forest_ident.refinement.result import Result, table, told_table, value_in
 
 LITTLE = 0.005  # share of a variance that is not worth a word
 
@@ -13,14 +14,24 @@ def text_table(result: Result) -> str:
     """Return the estimates as text: start, value, interval, warning; sensors."""
     lines = [f"  {'parameter':<42} {'stated':>11} {'found':>13}  {'of stated':>9}  95 % interval (most from)"]
     for e, before in table(result):
-        value, low, high = e.formatted()
-        was = "-" if before is None else f"{before:.5g}"
-        most = f" ({e.most})" if e.stated > LITTLE else ""
-        interval = "withheld" if e.withheld else f"{low} .. {high} {e.unit}"
-        lines.append(f"  {e.key:<42} {was:>11} {value:>13}  {100.0 * e.stated:>7.0f} %  {interval}{most}")
+        lines.append(_row(e, before))
         if e.warning:
             lines.append(f"    warning: {e.warning}")
+    if result.told:
+        lines.append("  stated numbers as the records have them")
+        lines += [_row(e, before) for e, before in told_table(result)]
+        whys = dict.fromkeys(e.warning for e in result.told.values() if e.warning)
+        lines += [f"    warning: {why}" for why in whys]
     return "\n".join(lines + [_calibrated(o) for o in result.calibration if math.isfinite(o.offset_error)])
+
+
+def _row(e: Estimate, before: float | None) -> str:
+    """Return an estimate's row of the table; before: what was stated."""
+    value, low, high = e.formatted()
+    was = "-" if before is None else f"{before:.5g}"
+    most = f" ({e.most})" if e.stated > LITTLE else ""
+    interval = "withheld" if e.withheld else f"{low} .. {high} {e.unit}"
+    return f"  {e.key:<42} {was:>11} {value:>13}  {100.0 * e.stated:>7.0f} %  {interval}{most}"
 
 
 def against(result: Result, truth: Machine) -> str:

@@ -16,7 +16,7 @@ from forest_description.config import schema
 from forest_description.machine import Machine
 
 NORMAL_95 = 1.959963985
-ILL_CONDITIONED = 1e5
+ILL_CONDITIONED = 1e6
 LOOSE = 0.2  # of a positive value, of a volt: a parameter with a greater standard error is not identified
 
 EXCITATION = {

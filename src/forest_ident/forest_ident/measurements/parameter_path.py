@@ -57,6 +57,7 @@ def with_values(machine: Machine, values: Mapping[str, float]) -> Machine:
     Raises:
         MachineError: a key names nothing, or the numbers contradict each other.
     """
+    sections: dict[str, dict[str, float]] = {}
     for key, value in values.items():
         section, _, name = key.rpartition(".")
         owner = part_of(machine, section) if section else machine
@@ -66,7 +67,11 @@ def with_values(machine: Machine, values: Mapping[str, float]) -> Machine:
         allowed = parameter_of(fields[name])
         if allowed is not None:
             value = min(max(value, allowed.low), allowed.high)
-        machine = with_part(machine, key, value)
+        sections.setdefault(section, {})[name] = value
+    for section, changes in sections.items():
+        owner = part_of(machine, section) if section else machine
+        changed = dataclasses.replace(owner, **changes)
+        machine = with_part(machine, section, changed) if section else changed
     return machine
 
 

@@ -11,7 +11,7 @@ from forest_ident.model_choice.held_out_comparison import compare
 from forest_ident.model_choice.measured_curve import with_measured_curves
 from forest_ident.refinement.result import Result
 
-MACHINE = 30.0  # times a sensor's noise, that another machine leaves at least; lacking physics may leave less
+MACHINE = 200.0  # times a sensor's noise, that another machine leaves at least; dry friction leaves 160
 
 Identify = Callable[[Machine], Result]
 

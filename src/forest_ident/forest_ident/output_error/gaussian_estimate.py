@@ -81,12 +81,15 @@ class GaussianEstimate(NamedTuple):
         """
         kept = self.without(*names)
         new = later.without(*kept.names)
-        count = 0 if later.slopes is None else later.slopes.shape[1]
+        slopes = None
+        if later.slopes is not None:
+            count = later.slopes.shape[1]
+            slopes = np.vstack([kept.moves(kept.names, count), new.moves(new.names, count)])
         return GaussianEstimate(
             (*kept.names, *new.names),
             np.concatenate([kept.mean, new.mean]),
             scipy.linalg.block_diag(kept.covariance, new.covariance)[: len(kept.names) + len(new.names)],
-            np.vstack([kept.moves(kept.names, count), new.moves(new.names, count)]),
+            slopes,
         )
 
 

@@ -98,7 +98,7 @@ def _told(
         values=values,
         errors={u.key: sd * values[u.key] if u.positive else sd for u, sd in pairs},
         condition=condition_number(information[: problem.count, : problem.count]),
-        posterior=updated(prior, problem.names, theta, covariance, told.slopes),
+        posterior=updated(prior, problem.names, theta, covariance, told.slopes if stated else None),
         residuals=problem.residuals(theta, predicted),
         noise=dict(problem.sigma),
         iterations=end.iterations,

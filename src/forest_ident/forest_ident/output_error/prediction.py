@@ -1,10 +1,10 @@
 """Predict the readings of a session: free simulation from its first row on, driven by its voltages.
 
 The simulation starts at rest: angles and pressures are means over the rows before the first voltage. The
-oil's temperature is the measured one, second by second or two. Sensors are exact but for the flow meters' lag
+oil's temperature is the measured one, second by second. Sensors are exact but for the flow meters' lag
 (Table 4.2).
 
-A record of a warming crane needs another plant every second or two, some hundred times in a fit. All that
+A record of a warming crane needs another plant every second, some hundred times in a fit. All that
 the oil changes is smooth in its temperature. So plants are made at multiples of `GRID`, and their numbers are
 interpolated by parabolas between three of them. The viscosity, which bends the most, is then right to 2e-6.
 """
@@ -32,9 +32,7 @@ from forest_sim.solver.oil_temperature import parameters_at
 from forest_sim.solver.state_recording import STATE, store
 from forest_sim.solver.step_schedule import even
 
-BLOCK = 1.0
-"""[s] over which the oil has one temperature. Twice as long where its reading is noisy: that moves what is
-predicted by 1 % of the sensors' noise, and takes a fifth less time."""
+BLOCK = 1.0  # [s] over which the oil has one temperature; 2 s leave 1.7 times the noise of a ringing boom
 STEP = 1e-3  # [s] of the integrator
 ROUGH = 2.5e-3  # [s] of the integrator where only a change of the readings is asked for, half as long to make
 REST_ROWS = 200  # at most, that the mean of the start is taken over
@@ -68,7 +66,7 @@ def predict(
         machine: the model; for a rig, the rig's.
         session: whose voltages drive it, from whose start it goes on.
         offsets: of the sensors.
-        start: pressures at the start [Pa], true minus read, by channel.
+        start: pressures [Pa] and angles [rad] at the start, true minus read, by channel.
         step: of the integrator [s], at most.
     """
     count, period, bench = len(session.time), session.period, session.on_rig
@@ -102,7 +100,7 @@ def _plants(machine: Machine, session: Session, offset: float) -> tuple[list[int
     count, warm = len(session.time), session.temperature()
     if session.on_rig or machine.oil is None or warm is None:
         return [0], np.array([_layout()[0](plant_parameters(machine))], dtype=np.float64)
-    per_block = max(1, round((BLOCK if session.is_exact else 2.0 * BLOCK) / session.period))
+    per_block = max(1, round(BLOCK / session.period))
     firsts = list(range(0, count, per_block))
     means = [float(np.mean(warm[first : first + per_block])) + offset for first in firsts]
     return firsts, plants_at(machine, means)
@@ -190,7 +188,10 @@ def _start(session: Session, p: PlantParameters, offsets: Offsets, start: Mappin
         return equilibrium((0.0, 0.5, -1.5), p)
     rests = [rest(session, axis == "swing") for axis in AXES]
     columns = [session.column(f"{axis}_resolver") for axis in AXES]
-    angles = [float(np.mean(column[rows])) for column, rows in zip(columns, rests, strict=True)]
+    angles = [
+        float(np.mean(column[rows])) + start.get(f"{axis}_resolver", 0.0)
+        for axis, column, rows in zip(AXES, columns, rests, strict=True)
+    ]
     rows = rests[0]
     true = tuple(angle + offset for angle, offset in zip(angles, offsets[:3], strict=True))
     at_rest = resting_at((true[0], true[1], true[2]), p)

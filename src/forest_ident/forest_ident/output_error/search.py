@@ -1,7 +1,8 @@
 """The search of an output-error fit: Gauss-Newton with Marquardt's damping, of few simulations.
 
-It begins with the parameters whose start may be far off, by the rough model. All derivatives come after that,
-a simulation each, and are kept as long as steps grow shorter. The exact model is simulated at the end alone.
+It begins with the parameters whose start may be far off, by the rough model if there is one. All derivatives
+come after that, a simulation each, and are kept as long as steps grow shorter. The exact model is simulated
+at the end alone, where there is a rough one.
 Symbols as in `output_error`.
 """
 
@@ -17,8 +18,9 @@ from forest_description.types import Floats
 from forest_ident.output_error.fit_problem import FAR, Channel, Columns, Jacobian, Problem, Unknown
 from forest_ident.output_error.gaussian_estimate import inverse
 
-ITERATIONS = 20
-DAMPING = 1e-6  # at the start: so small that correlated parameters may move together
+ITERATIONS = 40
+DAMPING = 1e-10  # at the start: so small that a valley of 4e-8 of the curvature across it is seen
+GREAT = 1e-3  # from where a refused step is damped more by smaller shares
 TRIES = 8  # of one step, each with more damping
 CONVERGED = 0.1  # of the standard errors, that the last step moved what other records feel, too
 STALE = 0.03  # of a positive parameter, from where derivatives were taken, to take them again
@@ -99,6 +101,7 @@ class Search:
             last = math.inf if fresh else at.moved
             if fresh and not converged:
                 taken, jacobian = at.theta, self._derivatives(at, self._base(at), self._every)
+                at = at._replace(damping=DAMPING)
             elif converged and self._is_stale(at, effects.taken):
                 effects, converged = self._effects(at, self._base(at)), False
                 least = self._least(at, jacobian, effects, before)
@@ -222,7 +225,7 @@ class Search:
                 return Place(theta + move, after, damping / 10.0, moved, fall, errors)
             if moved < CONVERGED:  # chance refuses what is not worth another try
                 return at._replace(moved=moved, fall=0.0, errors=errors)
-            damping = 10.0 * max(damping, 1e-3)
+            damping = max(damping, DAMPING) * (1e3 if damping < GREAT else 10.0)
         return at._replace(damping=damping, moved=0.0, fall=0.0, errors=errors)
 
 

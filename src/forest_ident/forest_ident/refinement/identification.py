@@ -44,7 +44,7 @@ from forest_ident.refinement import (
     refinement,
     stated_numbers,
 )
-from forest_ident.refinement.refinement_task import task
+from forest_ident.refinement.refinement_task import INERTIAS, task
 from forest_ident.refinement.result import Doubt, Refined, Result
 from forest_ident.refinement.workload import Workload
 
@@ -220,21 +220,18 @@ def _refine(result: Result, session: Session, progress: Callable[[], None]) -> N
     explained = data_quality.is_explained(tests)
     result.refined.append(Refined(session, fit, work.free, tests))
     result.remarks += data_quality.not_explained(session, tests)
-    result.doubts += _doubts(result, result.refined[-1], known)
+    told = [key for key in result.stated if key in fit.values and key not in known.names]
+    doubts = _doubts(result, result.refined[-1], known, told)
+    result.doubts += doubts
     if session.kind == "deadband" and not _takes_own_valve(result, session.own_axis, fit):
         return
     found = [key for key in work.free if not explained or _tells(fit.posterior, known, key)]
     for key in found:
-        result.estimates[key] = Estimate(
-            key=key,
-            value=fit.values[key],
-            standard_error=fit.errors[key],
-            unit=unit_of(key),
-            condition=fit.condition,
-            method="output error",
-            positive=is_positive(key),
-            withheld=not explained,
-        )
+        e = _estimate(key, fit, result.stated)._replace(positive=is_positive(key), withheld=not explained)
+        result.estimates[key] = e
+    for key in told if explained else ():
+        why = next((doubt.reason for doubt in doubts if key in doubt.keys), "")
+        result.told[key] = _estimate(key, fit, result.stated)._replace(positive=False, warning=why)
     # A record of the crane hangs on stated numbers: it must not move what the rigs told without them, nor
     # tell what it is not made for: friction that it takes for damping, the next record could not forget. One
     # that the model does not explain moves nothing.
@@ -246,14 +243,34 @@ def _refine(result: Result, session: Session, progress: Callable[[], None]) -> N
     _update(result)
 
 
-def _doubts(result: Result, record: Refined, known: GaussianEstimate) -> list[Doubt]:
-    """Return the doubts of a record: its own, else what it owes to doubtful ones."""
+def _estimate(key: str, fit: Fit, stated: Mapping[str, float]) -> Estimate:
+    e = Estimate(
+        key=key,
+        value=fit.values[key],
+        standard_error=fit.errors[key],
+        unit="1" if key in INERTIAS else unit_of(key),
+        condition=fit.condition,
+        method="output error",
+    )
+    return stated_numbers.shared(e, fit.posterior, stated)
+
+
+def _doubts(result: Result, record: Refined, known: GaussianEstimate, told: Sequence[str]) -> list[Doubt]:
+    """Return the doubts of a record: its own, else what it owes to doubtful ones.
+
+    Args:
+        result: with the doubts of earlier records.
+        record: as it was fitted.
+        known: before it.
+        told: stated numbers that it is the first to tell.
+    """
+    keys = (*record.free, *told)
     why = data_quality.doubt(record.session, record.fit, record.tests, list(result.stated))
     if why:
         new = {name for name in record.fit.posterior.names if name not in known.names}
-        return [Doubt(why, record.free, frozenset({*record.free, *new}))]
+        return [Doubt(why, keys, frozenset({*keys, *new}))]
     found = []
-    for key in record.free:
+    for key in keys:
         for doubt in result.doubts:
             share = record.fit.posterior.owed(key, doubt.told)
             if share > OWED:
@@ -310,9 +327,19 @@ def _conclude(result: Result) -> None:
     for estimate in result.linear:
         if not estimate.initial or estimate.key in result.estimates:
             continue
-        if estimate.usable:
+        if estimate.key in result.told:
+            result.estimates[estimate.key] = result.told[estimate.key].checked()
+        elif estimate.usable:
             result.estimates[estimate.key] = estimate.checked()
         else:
             motion = excitation_for(estimate.key)
             result.remarks.append(f"the records hold nothing of {estimate.key}; it takes {motion}")
+    _apply_told(result)
     result.machine = pooling.pooled(result)
+
+
+def _apply_told(result: Result) -> None:
+    """Set the machine to the stated numbers as the records have them: the masses go with those alone."""
+    values = {key: e.value for key, e in result.told.items()}
+    factors = {key.partition(".")[0]: values.pop(key) for key in INERTIAS if key in values}
+    result.machine = stated_numbers.with_inertias(possible_numbers.applied(result, values), factors)

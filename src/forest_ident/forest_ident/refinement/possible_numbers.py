@@ -56,6 +56,7 @@ def _without(result: Result, machine: Machine, key: str, value: float, why: str)
     remark = f"{key}: found {number}, which is impossible ({why}); {kept}; it takes {excitation_for(key)}"
     result.remarks.append(remark)
     result.estimates.pop(key, None)
+    result.told.pop(key, None)
     result.impossible.append(key)
     if key in result.known.names:
         result.known = result.known.without(key)

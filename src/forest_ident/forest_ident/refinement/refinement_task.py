@@ -8,7 +8,7 @@ Names of unknowns that are no parameters of the machine:
 | swing.angle, boom.angle, stick.angle | static errors of the resolvers, true minus read |
 | oil.offset | static error of the thermocouples' mean |
 | tilt | error of the inclinometer on the tilted platform |
-| start.CHANNEL.RECORD | pressure at the start of a crane's record, true minus read |
+| start.CHANNEL.RECORD | pressure, angle at the start of a crane's record, true minus read |
 | boom.inertia, stick.inertia | factor on a link's moments of inertia |
 """
 
@@ -57,6 +57,14 @@ def stated_keys(machine: Machine, session: Session) -> tuple[str, ...]:
         return ()
     axis = AXES[_axis(machine, session)]
     return (*(BOTH if session.name == "gravity" else TOLD[axis]), *INERTIAS)
+
+
+def tells_stated(machine: Machine) -> bool:
+    """Tell whether stated numbers are unknowns of the crane's records: no axis sticks.
+
+    A plant that sticks lets go in whole steps of the simulator, and has no derivatives as fine as they need.
+    """
+    return all(drive.friction is None for drive in machine.drives)
 
 
 class Task(NamedTuple):

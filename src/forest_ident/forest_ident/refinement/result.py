@@ -14,7 +14,7 @@ from forest_ident.output_error.fit_problem import Fit
 from forest_ident.output_error.gaussian_estimate import EMPTY, GaussianEstimate
 from forest_ident.output_error.residual_test import ResidualTest
 from forest_ident.refinement import extension_keys
-from forest_ident.refinement.refinement_task import LEAKAGE, VALVE
+from forest_ident.refinement.refinement_task import INERTIAS, LEAKAGE, VALVE
 
 MASSES = tuple(f"manipulator.{name}" for name in ("head_mass", "boom_mass", "stick_mass", "base_zz"))
 
@@ -62,9 +62,11 @@ class Result:
     stranger: str = ""
     """The only record that is not explained, where the others agree with each other."""
     known: GaussianEstimate = EMPTY
-    """Mean and covariance of all, as if all stated numbers were right, and how these would move it."""
+    """Mean and covariance of all, and how stated numbers would move it that are no unknowns."""
     stated: dict[str, float] = field(default_factory=dict)
     """Standard deviation of each stated number."""
+    told: dict[str, Estimate] = field(default_factory=dict)
+    """Stated numbers as the records have them, by key; moments of inertia as factors on what is stated."""
 
 
 def table(result: Result) -> list[tuple[Estimate, float | None]]:
@@ -72,6 +74,12 @@ def table(result: Result) -> list[tuple[Estimate, float | None]]:
     order = list(schema.parameters(Machine))
     keys = sorted(result.estimates, key=order.index)
     return [(result.estimates[key], value_in(result.start, key)) for key in keys]
+
+
+def told_table(result: Result) -> list[tuple[Estimate, float | None]]:
+    """Return the stated numbers as the records have them, each with what was stated."""
+    pairs = result.told.items()
+    return [(e, 1.0 if key in INERTIAS else value_in(result.start, key)) for key, e in pairs]
 
 
 def value_in(machine: Machine, key: str) -> float | None:
@@ -87,7 +95,7 @@ def unidentified(result: Result) -> list[tuple[str, str]]:
 
     A mass that rests confirmed within its error is no estimate, but it counts as identified.
     """
-    known = {*result.estimates, *(estimate.key for estimate in result.linear)}
+    known = {*result.estimates, *result.told, *(estimate.key for estimate in result.linear)}
     return [(key, excitation_for(key)) for key in _wanted(result.start) if key not in known]
 
 

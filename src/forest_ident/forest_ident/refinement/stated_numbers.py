@@ -1,8 +1,10 @@
 """What a person tells of a crane, with its uncertainty: masses, centres of mass, geometry, areas.
 
-No record measures these numbers alone, and none is estimated. Each fit tells how its parameters would move
-with each of them (`fit_problem.stated_effect`). The Gaussian estimate carries these moves T from record to
-record. So an interval holds what wrong numbers would have made of it:
+Where no axis sticks they are unknowns of the crane's records, with what is told as prior. Of the variance
+S_pp of an estimate p, what was told of a number t with the standard deviation s makes (S_pt/s)^2. Where one
+does, none is estimated: each fit tells how its parameters would move with each of them
+(`fit_problem.stated_effect`), and the Gaussian estimate carries these moves T from record to record. So an
+interval holds what wrong numbers would have made of it:
 
     variance of a parameter = S_pp + sum over the stated numbers of T_p^2
 
@@ -31,8 +33,9 @@ import numpy as np
 
 from forest_description.config.parameter import MachineError
 from forest_description.machine import Machine
+from forest_description.types import Floats
 from forest_ident.estimators.parameter_estimate import NORMAL_95, Estimate
-from forest_ident.measurements.parameter_path import part_of, value_of, with_values
+from forest_ident.measurements.parameter_path import part_of, value_of, with_part, with_values
 from forest_ident.measurements.session import SessionError
 from forest_ident.output_error.gaussian_estimate import GaussianEstimate
 from forest_ident.refinement.refinement_task import INERTIAS, TOLD
@@ -96,6 +99,52 @@ def _half(machine: Machine, key: str, stated: Mapping[str, float]) -> float:
         return 0.0
     default = DEFAULTS[key.rpartition(".")[2]]
     return stated.get(key, default.value * (abs(value) if default.relative else 1.0))
+
+
+def stated_value(machine: Machine, key: str) -> float:
+    """Return what is told of a number: the machine's, 1 of a factor."""
+    return 1.0 if key in INERTIAS else value_of(machine, key)
+
+
+def with_inertias(machine: Machine, factors: Mapping[str, float]) -> Machine:
+    """Return the machine with the moments of inertia of boom and stick times a factor each."""
+    links = machine.manipulator
+    now = {name: getattr(links, name) * f for link, f in factors.items() for name in moments(link)}
+    return with_part(machine, "manipulator", dataclasses.replace(links, **now)) if now else machine
+
+
+def moments(link: str) -> tuple[str, ...]:
+    """Return the names of a link's moments of inertia in the section `manipulator`."""
+    return tuple(f"{link}_{moment}" for moment in ("xx", "yy", "zz", "xy"))
+
+
+def asked(machine: Machine, found: Mapping[str, float], errors: Mapping[str, float]) -> Floats:
+    """Return how far stated numbers are from what is told, in standard deviations; 0 if they were not felt.
+
+    Args:
+        machine: as told.
+        found: what a fit made of them, by key.
+        errors: standard deviations as told, by key.
+    """
+    away = {key: found[key] - stated_value(machine, key) for key in errors if key in found}
+    return np.array([away.get(key, 0.0) / error for key, error in errors.items()])
+
+
+def shared(e: Estimate, posterior: GaussianEstimate, stated: Mapping[str, float]) -> Estimate:
+    """Return an estimate with the share of its variance that stated numbers bring, and which brings most.
+
+    Args:
+        e: whose error is that of the posterior.
+        posterior: of it and of the stated numbers, where these are unknowns.
+        stated: standard deviations as told, by key.
+    """
+    there = [key for key in stated if key in posterior.names]
+    if not there:
+        return e
+    row = posterior.covariance[posterior.names.index(e.key)]
+    moves = [float(row[posterior.names.index(key)]) / stated[key] for key in there]
+    share = min(sum(move**2 for move in moves) / float(row[posterior.names.index(e.key)]), 1.0)
+    return e._replace(stated=share, most=there[int(np.argmax(np.abs(moves)))])
 
 
 def with_stated(e: Estimate, known: GaussianEstimate, names: Sequence[str]) -> Estimate:

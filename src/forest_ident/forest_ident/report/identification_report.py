@@ -18,7 +18,7 @@ from forest_ident.online import online_comparison
 from forest_ident.online.online_comparison import Comparison
 from forest_ident.output_error.residual_test import ResidualTest
 from forest_ident.refinement import linear_estimates
-from forest_ident.refinement.result import Result, table, unidentified
+from forest_ident.refinement.result import Result, table, told_table, unidentified
 from forest_ident.report import html_page, report_plots, validation_report
 from forest_ident.validation.prediction_error import Signal
 from forest_ident.validation.verdict import Verdict
@@ -54,7 +54,7 @@ def write(
         verdict=judged.lines,
         made=_made(start),
         bags=bags,
-        parameters=[(e, before, off(e, before)) for e, before in table(result)],
+        parameters=[(e, before, off(e, before)) for e, before in (*table(result), *told_table(result))],
         curves=[_curve(result, session) for session in sessions if session.kind == "valve"],
         unidentified=unidentified(result),
         online=online(result),

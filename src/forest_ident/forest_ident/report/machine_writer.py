@@ -16,8 +16,9 @@ from forest_description.types import AXES
 from forest_ident.estimators.parameter_estimate import NORMAL_95, Estimate, unit_of
 from forest_ident.measurements.parameter_path import SECTIONS, part_of, value_of
 from forest_ident.model_choice import candidates
-from forest_ident.refinement.refinement_task import VALVE
+from forest_ident.refinement.refinement_task import INERTIAS, VALVE
 from forest_ident.refinement.result import Result
+from forest_ident.refinement.stated_numbers import moments
 
 OWN = "# Identified from records"
 """Begins a file that `write` made, and may make anew."""
@@ -61,13 +62,28 @@ def write(
 
 def _entries(result: Result, doubts: Mapping[str, str]) -> dict[str, str]:
     """Return the text of each number by its dotted key, in the order of the file."""
-    entries = {key: _estimate(estimate, doubts.get(key, "")) for key, estimate in result.estimates.items()}
+    entries = {e.key: _estimate(e, e.warning) for e in _told(result)}
+    entries |= {key: _estimate(estimate, doubts.get(key, "")) for key, estimate in result.estimates.items()}
     for section in ("hose", *(f"{axis}.hose" for axis in AXES)):
         entries |= _measured_hose(section, result)
     entries |= _calibration(result)
     for section in SECTIONS:
         entries |= _other_direction(section, result)
     return entries
+
+
+def _told(result: Result) -> list[Estimate]:
+    """Return the stated numbers as the records have them, a factor of inertia as the moments of its link."""
+    found = []
+    for key, e in result.told.items():
+        if key not in INERTIAS:
+            found.append(e)
+            continue
+        for name in moments(key.partition(".")[0]):
+            path, size = f"manipulator.{name}", e.value * getattr(result.start.manipulator, name)
+            error = abs(size) * e.standard_error / e.value
+            found.append(e._replace(key=path, value=size, standard_error=error, unit=unit_of(path)))
+    return found
 
 
 def _added(before: Machine, now: Machine) -> dict[str, str]:

@@ -75,5 +75,6 @@ def _doubts(result: Result) -> dict[str, str]:
         if e.withheld
     ]
     pairs += [(e.key, e.warning) for e in result.estimates.values() if e.warning]
-    pairs += [(key, doubt.reason) for doubt in result.doubts for key in doubt.keys]
+    stated = result.told.keys() - result.estimates.keys()
+    pairs += [(key, doubt.reason) for doubt in result.doubts for key in doubt.keys if key not in stated]
     return dict(reversed(pairs))
