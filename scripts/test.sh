@@ -16,26 +16,11 @@ fi
 parallel=(-p xdist --maxprocesses 8 --dist loadfile --no-loadscope-reorder --numprocesses)
 alone=test/forest_station/live      # judged in tenths of a second, beside a browser
 again=0
-
-# Nodes keep time with the computer's clock, and leave most of it idle. What only computes takes that, and yields
-# to every other program; it has a session and a cache of its own, and reports last.
-report=$(mktemp "${TMPDIR:-/tmp}/forest-crane-test.XXXXXX")
-setsid env --default-signal=INT nice -n 19 "$venv/bin/python" -m pytest "${parallel[@]}" auto -m "not live" \
-    --override-ini cache_dir=.pytest_cache/computing >"$report" 2>&1 &
-computing=$!
-end() {
-    kill -INT -- "-$computing" 2>/dev/null && wait "$computing" || true
-    cat -- "$report"
-    rm -f -- "$report"
-}
-trap end EXIT
-echo 19 2>/dev/null >"/proc/$computing/autogroup" || true # where Linux shares by sessions first
+# Nodes keep time with the computer's clock: beside tests that compute they are late.
+suite "${parallel[@]}" auto -m "not live"
 live "${parallel[@]}" "$waiting" --ignore="$alone"
 live "$alone"
-code=0
-wait "$computing" || code=$?
 if ((again)); then
     # A crane from which a shared computer is taken for 0.1 s stops, as it should: once more, one by one.
     suite -m live --verbose --last-failed --last-failed-no-failures none
 fi
-exit "$code"

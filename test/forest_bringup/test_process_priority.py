@@ -8,7 +8,7 @@ import pytest
 
 from forest_bringup import graph
 from forest_bringup.lockstep_run import in_lockstep
-from forest_bringup.process_priority import URGENT, own_priority, set_priority
+from forest_bringup.process_priority import NICE, raise_priority
 
 
 @pytest.fixture
@@ -21,13 +21,13 @@ def process():
 def test_a_process_takes_precedence_where_it_may(process):
     before = os.getpriority(os.PRIO_PROCESS, process)
     try:
-        os.setpriority(os.PRIO_PROCESS, process, URGENT)
+        os.setpriority(os.PRIO_PROCESS, process, NICE)
     except OSError:
         allowed = before
     else:
-        allowed = URGENT
+        allowed = NICE
         os.setpriority(os.PRIO_PROCESS, process, before)
-    set_priority(process, URGENT)
+    raise_priority(process)
     assert os.getpriority(os.PRIO_PROCESS, process) == allowed
 
 
@@ -38,16 +38,8 @@ def test_where_it_may_not_nothing_happens(process, monkeypatch):
     before = os.getpriority(os.PRIO_PROCESS, process)
     monkeypatch.setattr(os, "setpriority", refused)
     monkeypatch.setattr(Path, "write_text", refused)
-    set_priority(process, URGENT)
+    raise_priority(process)
     assert os.getpriority(os.PRIO_PROCESS, process) == before
-
-
-def test_a_session_of_its_own_yields_as_the_program_that_started_it(process):
-    set_priority(process, own_priority() + 1)
-    assert os.getpriority(os.PRIO_PROCESS, process) == own_priority() + 1
-    group = Path(f"/proc/{process}/autogroup")
-    if group.exists():  # not in every kernel
-        assert group.read_text().endswith(f" nice {own_priority() + 1}\n")
 
 
 def test_what_must_be_in_time_is_urgent_live_and_nothing_in_lockstep(tmp_path):

@@ -13,7 +13,6 @@ from hypothesis import strategies as st
 
 from forest_bringup import supervisor
 from forest_bringup.graph_lock import AlreadyRunning, GraphError
-from forest_bringup.process_priority import URGENT, own_priority
 from forest_bringup.supervisor import COULD_NOT_START, NodeSpec, Stopped, Supervisor
 
 # Started as `-m NAME --ros-args -r __ns:=... WORDS...`; tells what happens to it in a diary.
@@ -514,13 +513,12 @@ def test_what_nodes_log_is_passed_on_also_what_comes_last(graph_of, told):
 
 
 def test_only_urgent_nodes_are_hurried(graph_of, monkeypatch):
-    given = {}
-    monkeypatch.setattr(supervisor, "set_priority", given.__setitem__)
+    hurried = []
+    monkeypatch.setattr(supervisor, "raise_priority", hurried.append)
     graph = graph_of(simulator="", recorder="")
     graph._specs = [graph._specs[0]._replace(urgent=True), graph._specs[1]]
     with graph:
-        pids = [process.popen.pid for process in graph._processes]
-    assert given == {pids[0]: URGENT, pids[1]: own_priority()}
+        assert hurried == [graph._processes[0].popen.pid]
 
 
 def test_memory_is_told_of_every_node_that_ran(graph_of, told):

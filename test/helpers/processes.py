@@ -26,7 +26,6 @@ from typing import Any
 import pytest
 
 from forest_bringup import supervisor
-from forest_bringup.process_priority import own_priority, set_priority
 
 # Limits at which a test fails rather than hangs; on a busy machine a node alone takes seconds to start.
 ENDED_S, TOLD_S = 60.0, 5.0
@@ -101,7 +100,6 @@ class Process(Told, subprocess.Popen):
         self.log = log
         with log.open("w") as output:
             super().__init__(argv, stdout=output, stderr=output, start_new_session=True, **options)
-        set_priority(self.pid, own_priority())
 
 
 class ForkedNode(Told):
@@ -184,7 +182,6 @@ class ForkedPopen:
 def _run(module: str, arguments: list[str], log: str, environment: dict[str, str], begins: Any) -> None:
     """Be the node, or the supervisor, in the process that was forked from the server."""
     os.setsid()
-    set_priority(os.getpid(), own_priority())
     output = os.open(log, os.O_WRONLY | os.O_CREAT | os.O_TRUNC)
     for number in (1, 2):
         os.dup2(output, number)

@@ -17,7 +17,7 @@ import struct
 import time
 from pathlib import Path
 
-from forest_bringup.process_priority import URGENT, set_priority
+from forest_bringup.process_priority import raise_priority
 
 CLONE_NEWNET = 0x40000000  # of setns(2)
 TUNSETIFF, IFF_TUN, IFF_NO_PI = 0x400454CA, 0x0001, 0x1000  # of linux/if_tun.h
@@ -66,7 +66,7 @@ def main() -> None:
         parser.add_argument(f"--{name}", type=float, default=0.0)
     parser.add_argument("--seed", type=int, default=1)
     p = parser.parse_args()
-    set_priority(os.getpid(), URGENT)  # a wire does not wait for a processor
+    raise_priority(os.getpid())  # a wire does not wait for a processor
     ends = device(p.hosts[0]), device(p.hosts[1])
     print("up", flush=True)
     relay(ends, p.delay, p.jitter, p.loss, random.Random(p.seed))

@@ -1,4 +1,4 @@
-"""Which share of the processor a graph's processes get beside other programs.
+"""Live nodes come before other programs, where the user may ask for that.
 
 A control loop of 200 Hz that waits for its turn behind other programs is late, and a busy computer has them
 wait for tenths of a second. Root, and whoever `limits.conf` or a container allows it, may take precedence;
@@ -9,25 +9,16 @@ import contextlib
 import os
 from pathlib import Path
 
-URGENT = -10  # about ten times the share of a program that asks for nothing
+NICE = -10  # about ten times the share of a program that asks for nothing
 
 
-def set_priority(process: int, nice: int) -> None:
-    """Give a process that has no threads yet, and its session, a priority; if not allowed, do nothing.
+def raise_priority(process: int) -> None:
+    """Give a process precedence, by its id, before it has threads; where that is not allowed, do nothing.
 
     Linux may share the processor between sessions first (autogroups), and each of our nodes has its own: then
-    the session's priority counts, and a new session starts without any.
-
-    Args:
-        process: its id, which leads a session.
-        nice: from -20, which comes first, to 19.
+    the session's precedence counts, not the process'.
     """
     with contextlib.suppress(OSError):
-        os.setpriority(os.PRIO_PROCESS, process, nice)
+        os.setpriority(os.PRIO_PROCESS, process, NICE)
     with contextlib.suppress(OSError):
-        Path(f"/proc/{process}/autogroup").write_text(str(nice), encoding="ascii")
-
-
-def own_priority() -> int:
-    """Return how nice this process is."""
-    return os.getpriority(os.PRIO_PROCESS, 0)
+        Path(f"/proc/{process}/autogroup").write_text(str(NICE), encoding="ascii")

@@ -22,7 +22,7 @@ from pathlib import Path
 from typing import IO, TYPE_CHECKING, NamedTuple, cast
 
 from forest_bringup.graph_lock import AlreadyRunning, GraphError, only_graph
-from forest_bringup.process_priority import URGENT, own_priority, set_priority
+from forest_bringup.process_priority import raise_priority
 from forest_msgs_py.runtime.environment import PARENT_VARIABLE, prepare_environment
 from forest_msgs_py.runtime.stop_signals import heeded
 
@@ -199,7 +199,8 @@ class Supervisor:
                 env={**os.environ, PARENT_VARIABLE: str(os.getpid())},
                 start_new_session=True,  # a Ctrl-C reaches the supervisor alone, which keeps the order
             )
-        set_priority(popen.pid, URGENT if spec.urgent else own_priority())
+        if spec.urgent:
+            raise_priority(popen.pid)
         self._processes.append(_Process(spec, popen, log, log.open(encoding="utf-8", errors="replace")))
 
     def _join_ros(self) -> "GraphMonitor":
