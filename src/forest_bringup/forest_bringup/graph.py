@@ -14,7 +14,6 @@ from forest_bringup.profile_choice import add_profile_option, profile_for
 from forest_bringup.supervisor import NodeSpec, Supervisor
 from forest_control.config.joystick_file import AUTO
 from forest_control.servo.schemes import LABELS, Scheme
-from forest_msgs_py.runtime.command_line import new_path
 
 DEVICE = "device"  # a joystick's source: the only gamepad that is plugged in
 LEADERS = ("simulator", "step_player")  # in lockstep: nodes that begin each step
@@ -217,7 +216,7 @@ def parse_options(arguments: Sequence[str] | None) -> argparse.Namespace:
         metavar="PORT",
         help="--viewer, and serve Foxglove and Lichtblick at ws://127.0.0.1:PORT (usual: 8765)",
     )
-    parser.add_argument("--record", type=new_path, metavar="DIR", help="record a bag into this directory")
+    parser.add_argument("--record", type=Path, metavar="DIR", help="record a bag into this directory")
     parser.add_argument("--cycles", type=Path, metavar="DIR", help="directory of taught cycles")
     parser.add_argument(
         "--twist", action="store_true", help="follow a program's velocity commands on delta_twist_cmds"

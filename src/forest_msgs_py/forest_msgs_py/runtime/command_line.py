@@ -48,13 +48,6 @@ def whole(low: int, high: int = LARGEST) -> Callable[[str], int]:
     return read
 
 
-def new_path(text: str) -> Path:
-    """Return an argument's value: what is not there yet, and will be made."""
-    if Path(text).exists():
-        raise argparse.ArgumentTypeError(f"{text!r} exists already; allowed: a new name")
-    return Path(text)
-
-
 def output_file(*suffixes: str) -> Callable[[str], Path]:
     """Return an argument's type: a file that can be made, known before the work is done.
 
