@@ -167,6 +167,11 @@ class Sensors(ParameterSet):
         *ANGLE_KINDS, doc="what makes boom's and stick's angles in place of resolvers; left out: resolvers do"
     )
 
+    @property
+    def by_resolvers(self) -> bool:
+        """Whether boom's and stick's angles are those of resolvers."""
+        return self.joint_angles in (None, "resolver")
+
     def __post_init__(self) -> None:
         """Check that the kind that boom's and stick's angles are made of is fitted."""
         super().__post_init__()

@@ -64,11 +64,10 @@ def parameters(machine: Machine) -> Parameters:
     Raises:
         MachineError: boom and stick have no resolvers: the monitor knows no other angles' errors.
     """
-    angles = machine.sensors.joint_angles
-    if angles not in (None, "resolver"):
+    if not machine.sensors.by_resolvers:
         raise MachineError(
-            f"{machine.name} has the angles of boom and stick by its {angles}; allowed: a crane with "
-            "resolvers: the monitor knows no other angles' errors"
+            f"{machine.name} has the angles of boom and stick by its {machine.sensors.joint_angles}; "
+            "allowed: a crane with resolvers: the monitor knows no other angles' errors"
         )
     plant = plant_parameters(machine)
     swing, boom, stick = (_axis(machine, plant, i) for i in range(3))

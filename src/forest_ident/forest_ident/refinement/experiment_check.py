@@ -76,7 +76,7 @@ def demand_machine(machine: Machine, session: Session) -> None:
     _demand_pump(machine, session)
     if not session.on_crane:
         return
-    if machine.sensors.joint_angles not in (None, "resolver"):
+    if not machine.sensors.by_resolvers:
         raise SessionError(
             f"{session.name}: {machine.name} has the angles of boom and stick by its "
             f"{machine.sensors.joint_angles}; allowed: a crane with resolvers: a fit knows no other "

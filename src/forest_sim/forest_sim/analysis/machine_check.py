@@ -132,7 +132,7 @@ def _sensor_warnings(machine: Machine) -> list[str]:
     sensors, found = machine.sensors, list(_angle_warnings(machine))
     if sensors.resolver is not None:
         half = math.degrees(0.5 * sensors.resolver.full_scale)
-        resolvers = AXES if sensors.joint_angles in (None, "resolver") else AXES[:1]
+        resolvers = AXES if sensors.by_resolvers else AXES[:1]
         for axis, limits in zip(resolvers, joint_limits(machine), strict=False):
             low, high = (math.degrees(limit) for limit in limits)
             if low < -half or high > half:
