@@ -117,7 +117,7 @@ def test_without_a_simulator_the_controller_describes_the_machine(started):
 
 
 def test_a_part_of_the_graph_starts_here_and_only_the_one_with_the_driver_says_zero(started, tmp_path):
-    record = ["--record", str(tmp_path)]
+    record = ["--record", str(tmp_path / "bag")]
     assert graph.main(["--only", "valve_driver,simulator,recorder", *record]) == 0
     assert (list(started.nodes), started.may_publish) == (["valve_driver", "simulator", "recorder"], True)
     started.ends = [Stopped()]
@@ -135,6 +135,15 @@ def test_a_part_that_the_graph_does_not_have_is_refused(started, capsys):
     told = "graph: --only 'recorder' is no node of this graph; allowed: controller, valve_driver, simulator\n"
     assert capsys.readouterr().err == told
     assert not started.nodes
+
+
+def test_a_bag_that_exists_is_told_before_anything_starts_here_that_records(started, tmp_path, capsys):
+    assert graph.main(["--record", str(tmp_path)]) == 2
+    told = f"graph: {tmp_path} exists already; choose another --record or remove it\n"
+    assert capsys.readouterr().err == told
+    assert not started.nodes
+    assert graph.main(["--record", str(tmp_path), "--only", "controller"]) == 0
+    assert list(started.nodes) == ["controller"]
 
 
 def test_each_node_runs_its_module():
@@ -244,3 +253,4 @@ def test_what_is_no_port_is_refused(port, capsys):
     with pytest.raises(SystemExit):
         graph.parse_options([f"--foxglove={port}"])
     assert f"'{port}' is not a port; allowed: 1 to 65535" in capsys.readouterr().err
+

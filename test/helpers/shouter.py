@@ -8,6 +8,7 @@ import time
 
 import rclpy
 from rclpy.node import Node
+from rclpy.signals import SignalHandlerOptions
 
 from forest_control.operator.levers import AXIS_COUNT, BUTTON_COUNT
 from forest_msgs_py.interfaces import messages, topics
@@ -20,14 +21,15 @@ SHOUTED = 3.0, 3.0, 3.0  # [V]
 
 def main(name: str, rate_hz: float) -> None:
     prepare_environment()
-    rclpy.init()
+    # Python's own SIGINT, not rclpy's: that ends the context in the middle of a message.
+    rclpy.init(signal_handler_options=SignalHandlerOptions.NO)
     node, topic = Node("stranger", start_parameter_services=False), find(f"/{name}")
     publisher = node.create_publisher(message_class(topic), name, qos(topic))
     while not publisher.get_subscription_count():
         time.sleep(0.01)
     print("shouting", flush=True)
     begun, said = time.monotonic(), 0
-    while rclpy.ok():
+    while True:
         now = node.get_clock().now().nanoseconds
         if topic == topics.JOY:
             message = message_class(topic)(axes=[0.0] * AXIS_COUNT, buttons=[0] * BUTTON_COUNT)
@@ -42,5 +44,5 @@ def main(name: str, rate_hz: float) -> None:
 if __name__ == "__main__":
     try:
         main(sys.argv[1], float(sys.argv[2]))
-    except (KeyboardInterrupt, rclpy.executors.ExternalShutdownException):
+    except KeyboardInterrupt:
         sys.exit(0)

@@ -252,6 +252,10 @@ def graph_nodes(options: argparse.Namespace) -> list[NodeSpec]:
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the graph; return 0 after a stop on request, 1 after a failure."""
     options = parse_options(arguments)
+    records = options.record and (not options.only or "recorder" in options.only)  # here, not elsewhere
+    if records and options.record.exists():
+        print(f"graph: {options.record} exists already; choose another --record or remove it", file=sys.stderr)
+        return 2
     plays = bool(options.joystick) and not is_device(options.joystick)
     return run_command(
         "graph",

@@ -58,6 +58,7 @@ GONE = 2e6  # [Pa] of the supply, or half of what it keeps at idle, under which 
 FELL = 0.7  # [1] of what a pump gave in a motion; 0.8 stops a sound c180 thrown at 1.5 m/s; chosen
 UNFED = 0.048  # [s] without pressure at the pump, ten samples: a glitch stops nothing
 FORGOTTEN = 0.3  # [s] time constant with which a late voltage is forgotten; chosen, not measured
+STILL_LEAKS = 0.75  # [1] of `least_fed`, under which a leak that is fed is over: against chatter; chosen
 NO_PUMP = (
     f"the supply is under {GONE * 1e-6:g} MPa, or half of its idle pressure, or {FELL:g} of what it was: "
     "no pump, or no transducer; the valves stay shut until nothing is commanded"
@@ -235,7 +236,7 @@ def _fed(
     borne = scale * borne_at_rest(state.load, position, axis) if i == 0 else 0.0
     leaked = borne if held else scale * state.load.loads[i] - _given_way(command, state.load.rocking[i], axis)
     fed, least = command + leaked if command != 0.0 else 0.0, axis.least_fed
-    leaks = abs(borne) > (least if state.spools[i] * borne <= 0.0 else 0.75 * least)  # against chatter
+    leaks = abs(borne) > (least if state.spools[i] * borne <= 0.0 else STILL_LEAKS * least)
     opens = min(least, p.hold_zone) if leaks else p.hold_zone
     side = math.copysign(1.0, borne) if leaks else 0.0
     return held_command(state.holds[i], fed, p.hold_zone, opens, side, p.command_noises[i], held, dt)

@@ -117,7 +117,7 @@ def run_node(factory: Callable[[], Node], args: Sequence[str] | None = None) -> 
     if {"-h", "--help"} & set(sys.argv if args is None else args):
         print(f"{(sys.modules[factory.__module__].__doc__ or '').strip()}\n\nArguments: {ARGUMENTS}")
         return 0
-    faulthandler.enable()  # a crash or a hang tells in the log where it was
+    faulthandler.enable()  # a crash tells in the log where it was
     try:
         prepare_environment()
         wait_for_supervisor()
@@ -194,12 +194,11 @@ def _spin(node: Node, signals: _StopSignals) -> int:
 
 
 def _limit_leaving() -> None:
-    """Have the kernel end the process, which tells where it was, if it does not end by itself.
+    """Have the kernel end the process if it does not end by itself.
 
     Fast DDS can deadlock while a participant goes (its issue 6502), with Python's interpreter locked: no
     thread of ours could act. The others miss such a node when its lease has run out.
     """
-    faulthandler.register(signal.SIGALRM, chain=True)
     signal.setitimer(signal.ITIMER_REAL, LEAVING)
 
 
