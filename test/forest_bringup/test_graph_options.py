@@ -253,4 +253,3 @@ def test_what_is_no_port_is_refused(port, capsys):
     with pytest.raises(SystemExit):
         graph.parse_options([f"--foxglove={port}"])
     assert f"'{port}' is not a port; allowed: 1 to 65535" in capsys.readouterr().err
-

@@ -274,6 +274,8 @@ def test_a_driver_that_was_frozen_obeys_nothing_from_before(rig, peer):
 
 def test_an_emergency_stop_centres_the_valves_whatever_the_controller_does(rig, peer):
     r, said = rig().drive(), peer.hear(topics.DIAGNOSTICS)
+    none = [0.0] * len(topics.PRESSURES.labels)
+    peer.repeat(topics.PRESSURES, lambda now: float_array(topics.PRESSURES, now, none))
     stop, reset = (
         peer.node.create_client(Trigger, f"valve_driver/{verb}emergency_stop") for verb in ("", "reset_")
     )
@@ -291,6 +293,10 @@ def test_an_emergency_stop_centres_the_valves_whatever_the_controller_does(rig, 
     assert all(volts(message) == ZERO for message in r.voltages[heard:])
     stopped = "valve_driver: emergency stop", "emergency stop pressed"
     peer.until(lambda: any(stopped == (s.name, s.message) for m in said for s in m.status))
+    said.clear()
+    peer.until(lambda: len(said) > 1)
+    told = {s.message for m in said for s in m.status if s.name == "valve_driver: pressures"}
+    assert not any("waiting for pressures" in one for one in told), told
     r.command = lambda now: command(now, ZERO)
     peer.until(lambda: answer(peer, reset).success)
     r.command = command

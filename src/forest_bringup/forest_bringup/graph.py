@@ -254,7 +254,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
     options = parse_options(arguments)
     records = options.record and (not options.only or "recorder" in options.only)  # here, not elsewhere
     if records and options.record.exists():
-        print(f"graph: {options.record} exists already; choose another --record or remove it", file=sys.stderr)
+        print(
+            f"graph: {options.record} exists already; choose another --record or remove it", file=sys.stderr
+        )
         return 2
     plays = bool(options.joystick) and not is_device(options.joystick)
     return run_command(

@@ -93,6 +93,7 @@ class ValveDriverNode(Node):
     def _stand_still(self) -> None:
         self._state, stamp = valve_driver.at_rest(self._state), self._node_clock.stamp()
         self._out.say(stamp, ZERO)
+        self._measured.read(learning=False)  # else pressures that come would be missed meanwhile
         self._tell(stamp)
 
     def _tell(self, stamp: int) -> None:

@@ -7,6 +7,7 @@ import pytest
 
 from forest_control.config.controller_settings import Settings, parameters
 from forest_control.servo.link_bending import link_angles
+from forest_control.taught import taught_work
 from forest_control.taught.joint_trajectory import (
     MOST,
     TrajectoryPoint,
@@ -27,6 +28,13 @@ BESIDE = (POSE[0] + 0.3, POSE[1], POSE[2])
 
 def rows(*points):
     return [TrajectoryRow(time, positions, ()) for time, positions in points]
+
+
+def test_what_paths_need_is_loaded_before_a_program_waits_for_an_answer(monkeypatch, tmp_path):
+    loaded = []
+    monkeypatch.setattr(taught_work, "load_splines", lambda: loaded.append("here"))
+    taught_work.TaughtWork(tmp_path, P)
+    assert loaded == ["here"]
 
 
 def test_values_are_put_into_the_order_of_the_joints():

@@ -38,6 +38,7 @@ class State(NamedTuple):
     tracking_limits: TrackingLimits = NO_TRACKING_LIMIT  # joints that could not follow
     sway: Sway = NO_SWAY  # of what hangs from the tip
     weighing: Weighing = UNKNOWN  # of the load
+    wish: Vec3 = ZERO  # [m/s] that the tip would have by now, had nothing held it back
 
 
 class Inputs(NamedTuple):
@@ -82,6 +83,7 @@ class MotionCommand(NamedTuple):
     velocity: Vec3 = ZERO  # x' of the tip [m/s]
     lagged: Vec3 = ZERO  # x' that the reference follows, as late as the machine answers [m/s]
     rates: Vec3 = ZERO  # of the joints [rad/s], where no tip velocity asks for them
+    wish: Vec3 = ZERO  # x', had nothing held it back so far [m/s]
 
 
 class Reference(NamedTuple):

@@ -31,7 +31,7 @@ from forest_control.servo.anti_sway import Sway
 from forest_control.servo.coordinated_servo import MOST_SAMPLES, ramped, reference_rates
 from forest_control.servo.schemes import Scheme, closes_on_position, jacobian_pose
 from forest_description.geometry.kinematics import tip_position
-from forest_description.geometry.vectors import minus, scaled
+from forest_description.geometry.vectors import minus, norm, scaled
 from forest_description.types import ZERO, Vec3
 
 
@@ -48,6 +48,8 @@ def lever_command(state: State, inputs: Inputs, p: Parameters, dt: float) -> tup
         state = resumed(state)
     elif not state.enabled:
         state = begun(state, inputs.angles)
+    if not state.enabled:
+        state = state._replace(wish=state.memory.velocity)
     if state.scheme != NO_SCHEME and state.scheme != p.scheme:
         state = taken_over(state, inputs, p)
     state = clutched(state, inputs.angles, p)
@@ -58,7 +60,9 @@ def lever_command(state: State, inputs: Inputs, p: Parameters, dt: float) -> tup
     rates = joint_rate_command(state, inputs, p, dt) if p.scheme == Scheme.JOINT else ZERO
     settles = p.scheme == Scheme.COORDINATED and velocity == ZERO and state.memory.samples < MOST_SAMPLES
     phase = Phase.SETTLING if settles else Phase.MOVING
-    return state, MotionCommand(phase=phase, pose=pose, velocity=velocity, lagged=velocity, rates=rates)
+    return state, MotionCommand(
+        phase=phase, pose=pose, velocity=velocity, lagged=velocity, rates=rates, wish=state.wish
+    )
 
 
 def tip_velocity_command(
@@ -66,7 +70,7 @@ def tip_velocity_command(
 ) -> tuple[State, Vec3]:
     """Return the tip velocity [m/s] that the levers ask for; a ramp in position mode or coordinated."""
     if p.scheme == Scheme.JOINT:
-        return state._replace(sway=anti_sway.NO_SWAY), ZERO
+        return state._replace(sway=anti_sway.NO_SWAY, wish=ZERO), ZERO
     levers, sway = shaped(inputs.levers, p.profile), anti_sway.NO_SWAY
     if inputs.taught.speed > 0.0:
         most = min(p.profile.speeds[0], p.profile.speeds[1], p.profile.speeds[2])
@@ -79,9 +83,12 @@ def tip_velocity_command(
     else:
         asked = scaled(rate_mode_velocity(levers, pose, p.profile), inputs.speed_scale)
         if p.scheme != Scheme.COORDINATED:
-            return state._replace(sway=anti_sway.NO_SWAY), asked
+            return state._replace(sway=anti_sway.NO_SWAY, wish=asked), asked
         sway, asked = _without_sway(state, asked, p, dt)
-    return state._replace(sway=sway), ramped(state.memory.velocity, asked, p.coordinated.acceleration, dt)
+    velocity = ramped(state.memory.velocity, asked, p.coordinated.acceleration, dt)
+    held_back = norm(asked) > norm(state.memory.velocity)
+    wish = ramped(state.wish, asked, p.coordinated.acceleration, dt) if held_back else velocity
+    return state._replace(sway=sway, wish=wish), velocity
 
 
 def _without_sway(state: State, asked: Vec3, p: Parameters, dt: float) -> tuple[Sway, Vec3]:

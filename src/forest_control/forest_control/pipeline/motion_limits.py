@@ -15,7 +15,7 @@ from forest_control.pipeline.control_state import Inputs, MotionCommand, Phase, 
 from forest_control.servo.schemes import Scheme, closes_on_position
 from forest_control.valve.tracking_limit import AS_FILED, Valves, ceiling
 from forest_description.geometry.kinematics import is_singular, joint_rates, tip_position, tip_velocity
-from forest_description.geometry.vectors import scaled
+from forest_description.geometry.vectors import norm, scaled
 from forest_description.types import ZERO, Vec3
 
 
@@ -34,7 +34,15 @@ def limited(
         return Reference(scaled(command.rates, factor), scaled(command.velocity, factor), released)
     if command.phase == Phase.STOPPING:
         return _stopping(command, valves, inputs, p)
-    return _moving(command, valves, load, inputs, p)
+    reference = _moving(command, valves, load, inputs, p)
+    factor, limit = reference.scaling
+    return reference._replace(scaling=VelocityScaling(factor * _share(command), limit))
+
+
+def _share(command: MotionCommand) -> float:
+    """Return what the limits of former steps have left of the tip's velocity, 0..1."""
+    wish = norm(command.wish)
+    return min(1.0, norm(command.velocity) / wish) if wish > 0.0 else 1.0
 
 
 def _moving(

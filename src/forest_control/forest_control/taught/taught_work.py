@@ -20,7 +20,7 @@ from forest_control.taught.plan import Step, planned
 from forest_control.taught.player import Inputs, Output, Phase, State
 from forest_control.taught.taught_status import Status, segment_of, status_of, waiting
 from forest_control.taught.teaching import Teaching
-from forest_control.taught.tip_path import PathError
+from forest_control.taught.tip_path import PathError, load_splines
 from forest_description.types import Vec3
 
 TEACHES = {"path": "record", "pose": "pose", "close": "close", "open": "open"}  # what: by which action
@@ -59,6 +59,7 @@ class TaughtWork:
         self._tip: Vec3 | None = None
         self._name = ""  # of the cycle that is played or recorded
         self._said: list[str] = []  # events that wait
+        load_splines()
 
     @property
     def actions(self) -> dict[str, Callable[[], tuple[bool, str]]]:

@@ -139,6 +139,11 @@ def _turn(a: Vec3, b: Vec3, c: Vec3) -> float:
     return math.acos(max(-1.0, min(1.0, float(before @ after) / size))) if size > 0.0 else 0.0
 
 
+def load_splines() -> None:
+    """Load the parts of scipy that paths need: in a callback that holds up whoever is waited for."""
+    _ = scipy.interpolate, scipy.spatial
+
+
 def _smooth(stretch: list[Vec3]) -> Floats:
     """Return points [N, 3] m, close together, on the cubic spline through the points of a stretch."""
     table = np.array(stretch)
