@@ -512,6 +512,16 @@ def test_what_nodes_log_is_passed_on_also_what_comes_last(graph_of, told):
     assert heard == ["one", "two", "three"]
 
 
+def test_where_the_threads_of_a_crashed_node_were_stays_in_its_log(graph_of, told):
+    heard = []
+    graph = graph_of({"on_log_line": heard.append}, simulator="says=one|Fatal_Python_error:_Aborted|Thread")
+    with running(graph, told):
+        with pytest.raises(Stopped):
+            graph.run(progress=stop_soon(graph))
+        assert heard == ["one"]
+        assert "Thread" in graph._processes[0].log.read_text()
+
+
 def test_only_urgent_nodes_are_hurried(graph_of, monkeypatch):
     hurried = []
     monkeypatch.setattr(supervisor, "raise_priority", hurried.append)

@@ -38,6 +38,7 @@ LOOK_PERIOD = 1.0  # [s] between later looks
 COMMANDING = ("joystick", "station", "experiment_operator", "controller", "valve_driver")
 COULD_NOT_START = 2  # exit code
 LAST_ZERO = 0.1  # [s] for which a driver that was told to stop may say its own zero first
+CRASH = "Fatal Python error"  # begins where the threads were, which stays in the log
 ZERO_TIME = 0.3  # [s] for which the supervisor repeats zero voltage after a death
 
 
@@ -106,6 +107,7 @@ class Supervisor:
         self._monitor: GraphMonitor
         self._publish_zero: Callable[[], None] = lambda: None
         self._warned: set[str] = set()
+        self._crashed: set[str] = set()  # names of nodes
 
     def __enter__(self) -> "Supervisor":
         """Claim the domain and start every node.
@@ -276,7 +278,9 @@ class Supervisor:
     def _forward_logs(self) -> None:
         for process in self._processes:
             for line in process.tail:
-                if self._on_log_line is not None:
+                if line.startswith(CRASH):
+                    self._crashed.add(process.spec.name)
+                if self._on_log_line is not None and process.spec.name not in self._crashed:
                     self._on_log_line(line.rstrip("\n"))
 
     def _catch_signals(self) -> None:
