@@ -330,6 +330,8 @@ def _exit_report(process: _Process, code: int) -> str:
     reason = f"was killed by {_signal_name(-code)}" if code < 0 else f"ended with exit code {code}"
     if code in (-signal.SIGABRT, -signal.SIGSEGV):
         return f"{process.spec.name} {reason}; where it was is at the end of {process.log}"
+    if code < 0:
+        return f"{process.spec.name} {reason}"
     log = process.log.read_text(encoding="utf-8", errors="replace").strip().splitlines()
     last = [line for line in log if "[INFO]" not in line][-1:]
     return f"{process.spec.name} {reason}" + (f": {last[0].strip()}" if last else "")

@@ -135,7 +135,7 @@ class Machine(ParameterSet):
         if chart is not None and chart.reach[-1] < reach - ROUNDING:
             raise MachineError(
                 f"capacity.reach ends at {chart.reach[-1]:g} m; allowed: at least {reach:.3f} m, "
-                f"as far as the crane reaches"
+                f"as far as straight links reach"
             )
 
     def _check_holding(self, name: str, drive: SwingDrive | CylinderDrive) -> None:

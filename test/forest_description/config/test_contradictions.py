@@ -131,7 +131,7 @@ OTHERS = [
         "c180_hoses",
         CAPACITY.format(reach="4, 8", load="900, 500"),
         3,
-        "capacity.reach ends at 8 m; allowed: at least 8.570 m, as far as the crane reaches",
+        "capacity.reach ends at 8 m; allowed: at least 8.570 m, as far as straight links reach",
     ),
     (
         "c180_hoses",

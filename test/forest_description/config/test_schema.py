@@ -168,6 +168,11 @@ def test_unknown_machine_is_answered_with_the_known_ones():
     )
 
 
+def test_a_base_that_is_no_machine_is_named_with_its_place(write):
+    path = write("based_on: c18O\n")
+    assert complaint(path).startswith(f"{path}:1: based_on: no machine named 'c18O'")
+
+
 def test_unreadable_files_are_named_with_the_reason(tmp_path):
     absent = tmp_path / "absent.yaml"
     assert complaint(absent) == f"{absent}: cannot read the machine file: No such file or directory"

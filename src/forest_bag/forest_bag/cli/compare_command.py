@@ -22,7 +22,7 @@ def add_parser(verbs: Subcommands) -> None:
     """Add the verb and its flags."""
     text = "compare two bags: to the last bit, or within a tolerance"
     parser = verbs.add_parser(
-        "compare", help=text, description=f"{text.capitalize()}. {__doc__.split(chr(10))[2]}"
+        "compare", help=text, description=f"{text[0].upper()}{text[1:]}. {__doc__.split(chr(10))[2]}"
     )
     parser.set_defaults(command=run)
     parser.add_argument("a", type=Path, metavar="A", help="a bag")

@@ -18,7 +18,7 @@ SERVICES = f"While it records, the services /{NODE}/start, stop, split, snapshot
 def add_parser(verbs: Subcommands) -> None:
     """Add the verb and its flags."""
     text = "record topics into a bag until Ctrl-C"
-    parser = verbs.add_parser("record", help=text, description=f"{text.capitalize()}. {SERVICES}")
+    parser = verbs.add_parser("record", help=text, description=f"{text[0].upper()}{text[1:]}. {SERVICES}")
     parser.set_defaults(command=run)
     _add_choice(parser)
     add = parser.add_argument

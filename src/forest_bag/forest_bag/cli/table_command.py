@@ -45,8 +45,8 @@ def _add(
     parser = verbs.add_parser(
         name,
         help=text,
-        description=f"{text.capitalize()}, a row for each stamp of any topic; a topic without a message "
-        "there has empty cells.",
+        description=f"{text[0].upper()}{text[1:]}, a row for each stamp of any topic; "
+        "a topic without a message there has empty cells.",
     )
     parser.set_defaults(command=command)
     parser.add_argument("bag", type=Path, metavar="BAG", help="directory, .mcap or .db3 file")

@@ -85,13 +85,15 @@ def texts(name_or_path: str | Path) -> list[tuple[str, str]]:
     return [(label, text) for label, text, _ in _layers(str(name_or_path), Path(), ())]
 
 
-def _layers(name: str, folder: Path, derived: tuple[str, ...]) -> list[tuple[str, str, Branch]]:
-    """Read a machine named in a file of ``folder``; ``derived`` are the machines that are based on it."""
+def _layers(
+    name: str, folder: Path, derived: tuple[str, ...], place: str = ""
+) -> list[tuple[str, str, Branch]]:
+    """Read a machine named at a place in a file of ``folder``; ``derived`` are those that are based on it."""
     shipped = is_shipped(name)
     identity = name if shipped else str((folder / name).resolve())
     if identity in derived:
         raise MachineError(f"based_on goes round in a circle: {' -> '.join([*derived, identity])}")
-    label, text = _shipped_text(name) if shipped else _file_text(folder / name)
+    label, text = _shipped_text(name, place) if shipped else _file_text(folder / name)
     tree = _parse(text, label)
     tree.children.setdefault("name", Leaf(tree.place, Path(name).stem))
     base = tree.children.pop("based_on", None)
@@ -99,18 +101,20 @@ def _layers(name: str, folder: Path, derived: tuple[str, ...]) -> list[tuple[str
         return [(label, text, tree)]
     if not isinstance(base, Leaf) or not base.text:
         raise MachineError(f"{base.place}: based_on must be the name or the file of a machine")
-    below = _layers(base.text, folder if shipped else (folder / name).parent, (*derived, identity))
+    beside = folder if shipped else (folder / name).parent
+    below = _layers(base.text, beside, (*derived, identity), f"{base.place}: based_on: ")
     return [(label, text, tree), *below]
 
 
-def _shipped_text(name: str) -> tuple[str, str]:
+def _shipped_text(name: str, place: str) -> tuple[str, str]:
     """Return file label and text of a shipped machine, or of one that is drawn."""
     if random_machine.is_unknown(name):
         return name, random_machine.text(name, _numbers(read(random_machine.parts(name)[1]), ""))
     if name not in shipped_machines():
         known = ", ".join(shipped_machines())
         raise MachineError(
-            f"no machine named {name!r}: there are {known}, unknown:SEED; a file needs its suffix (.yaml)"
+            f"{place}no machine named {name!r}: there are {known}, unknown:SEED; "
+            "a file needs its suffix (.yaml)"
         )
     label = f"{name}.yaml"
     return label, (resources.files("forest_description") / "machines" / label).read_text("utf-8")

@@ -332,8 +332,10 @@ def export_fmu(name: str, out: Path | None) -> int:
     from forest_sim.fmi.export import export
 
     fmu = out or Path(f"{load_machine(name).name}.fmu")
-    if fmu.suffix != ".fmu" or fmu.exists() or not fmu.parent.is_dir():
-        raise RunError(f"{fmu}: allowed: a new file that ends in .fmu, in a directory that is there")
+    if fmu.exists():
+        raise RunError(f"{fmu} exists already; choose another --out or remove it")
+    if fmu.suffix != ".fmu" or not fmu.parent.is_dir():
+        raise RunError(f"{fmu}: allowed: a file that ends in .fmu, in a directory that is there")
     inputs, outputs = export(name, fmu)
     print(f"{fmu}: FMI 2.0 co-simulation, {inputs} inputs, {outputs} outputs")
     return 0
