@@ -35,8 +35,8 @@ class ValveDriverNode(Node):
         super().__init__("valve_driver")
         self._node_clock = node_clock(self)
         self.run = self._node_clock.run
-        self._configuration = DriverConfiguration(self)
-        p, machine = self._configuration.node, self._configuration.machine
+        self._configuration = known = DriverConfiguration(self)
+        p, machine = known.node, known.machine
         self._gate, self._nominal = CommandGate(p.command_timeout, self._node_clock.now), p.period
         self._period = stamped_period.BEGIN
         self._state, self._step, self._shadow = valve_driver.REST, compiled.driver_step(), p.shadow
@@ -47,8 +47,7 @@ class ValveDriverNode(Node):
         self._commands = Commands(self._node_clock, machine)
         commands = self._node_clock.on(topics.VALVE_COMMANDS, self._on_command)
         self._alone = SingleTalker(self, topics.VALVE_COMMANDS, commands, self._stop)
-        idle = self._configuration.core.idle_pressure
-        self._measured = Measurements(self._node_clock, p.pressure_timeout, idle)
+        self._measured = Measurements(self._node_clock, p.pressure_timeout, known.core.idle_pressure)
         self._watch_inputs(commands)
         self._node_clock.every(WATCHDOG_PERIOD, self._on_watchdog)
 
@@ -63,7 +62,7 @@ class ValveDriverNode(Node):
 
     def _command_values(self) -> dict[str, Any]:
         clipping = self._commands.clipping.values()
-        return {"command_timeout [s]": self._gate.timeout} | clipping | {"shadow": self._shadow}
+        return {"command_timeout [s]": self._gate.timeout, **clipping, "shadow": self._shadow}
 
     def _on_command(self, data: bytes, sent: float) -> None:
         command = self._commands.read(data, sent)
@@ -93,7 +92,7 @@ class ValveDriverNode(Node):
     def _stand_still(self) -> None:
         self._state, stamp = valve_driver.at_rest(self._state), self._node_clock.stamp()
         self._out.say(stamp, ZERO)
-        self._measured.read(learning=False)  # else pressures that come would be missed meanwhile
+        self._measured.read(learning=False)  # or pressures that come would be missed meanwhile
         self._tell(stamp)
 
     def _tell(self, stamp: int) -> None:
