@@ -107,6 +107,11 @@ def test_samples_may_come_at_a_rate_and_columns_without_names(convert):
             "checks: {rate: {value: 50}}\n    topics:",
             "median rate 20 Hz; the map allows 50 Hz ± 5 %",
         ),
+        (
+            "topics:",
+            "checks: {rate: {value: 50, percent: -1}}\n    topics:",
+            "checks.rate.percent is -1; allowed: 0 or more",
+        ),
         ("topics:", "checks: {max_gap: {value: 40, unit: ms}}\n    topics:", ":4: 0.0505 s without a row"),
         ("topics:", "topics: [", "not YAML"),
     ],

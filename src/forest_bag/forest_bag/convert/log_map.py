@@ -1,6 +1,6 @@
 """The map of `forest-bag from-csv`: which column of somebody's log is which signal of ours, in which unit.
 
-A signal is ``(scale · cell + offset) · factor of the unit``, or a constant ``value``, in SI units:
+A signal is ``scale · cell + offset`` in its unit, or a constant ``value``:
 
     time: {column: t, unit: ms}              # or {rate: 50, unit: Hz}; start: s that are added to all times
     file: {delimiter: ";", decimal: ",", header: false, skip: 2}          # all optional
@@ -54,7 +54,6 @@ LOG_UNITS = {name: LogUnit(unit.si, unit.factor) for name, unit in UNITS.items()
     "deg/s": LogUnit("rad/s", math.pi / 180.0),
     "mm/s": LogUnit("m/s", 1e-3),
     "in/s": LogUnit("m/s", 0.0254),
-    "N*m": LogUnit("N*m", 1.0),
     "kN*m": LogUnit("N*m", 1e3),
     "lbf": LogUnit("N", 4.4482216152605),
     "lbf*ft": LogUnit("N*m", 4.4482216152605 * 0.3048),
@@ -151,6 +150,8 @@ def _map(content: Mapping[str, Any]) -> LogMap:
     if "rate" in checks:
         entry = _keys(checks["rate"], "checks.rate", {"value"}, {"unit", "percent"})
         share = _number(entry.get("percent", 5), "checks.rate.percent") / 100.0
+        if share < 0.0:
+            raise BagError(f"checks.rate.percent is {100.0 * share:g}; allowed: 0 or more")
         wanted = _quantity({k: entry[k] for k in entry if k != "percent"}, "checks.rate", "Hz"), share
     return LogMap(
         form=form,

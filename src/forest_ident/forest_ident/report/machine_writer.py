@@ -91,7 +91,7 @@ def _added(before: Machine, now: Machine) -> dict[str, str]:
     source, entries = "assumed: a usual size, from which the search began", {}
     for path in candidates.ADDED:
         part = part_of(now, path)
-        if part is None or part_of(before, path) not in (None, 0.0):
+        if part in (None, 0.0) or part_of(before, path) not in (None, 0.0):
             continue
         if isinstance(part, float):
             entries[path] = _quantity(part, unit_of(path), source)

@@ -1,7 +1,6 @@
 """Hears a run in lockstep: what its nodes say in each step, in an order that repeats, with stamps as times.
 
-It reads the nodes' batches (:mod:`forest_msgs_py.clock.step_batch`) instead of their topics.
-Whatever else is
+It reads the nodes' batches (:mod:`forest_msgs_py.clock.step_batch`) instead of their topics. Whatever else is
 said in the graph is heard beside it, as ever, at the time of the last complete step. The machine is told how
 far everything was taken, and stays near.
 """
@@ -154,7 +153,7 @@ class StepListener:
                 self._end = stamp_to_ns(header.stamp) // PERIOD_NS
 
     def _look_for(self, name: str, type_name: str) -> None:
-        """DiscoveredTopic a topic, once its publisher can be seen, which tells the type's hash.
+        """Offer a topic, once its publisher can be seen, which tells the type's hash.
 
         The bag gets the QoS with which the topic is offered live: the depth and the memory that publishers
         have in lockstep are the run's, not the topic's, and no player shall repeat them.

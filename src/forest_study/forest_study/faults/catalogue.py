@@ -8,8 +8,8 @@ from forest_study.faults.fault import ALL, DRIVEN, HELD, MOVING, Bound, Fault, S
 
 JOYSTICK_LOST = "joystick: nothing new for longer than joy_timeout"
 NO_STATE = "nothing good of the machine's state"
-# How sentences of `runaway`, `machine_file_check` and `overloaded_joint` begin.
-OF_MACHINE = ("machine", "overload", "supply")
+# How sentences of `runaway`, `machine_file_check`, `overloaded_joint` and, of its supply, the driver begin.
+OF_MACHINE = ("machine", "overload", "supply", "the supply")
 STATE_BAD = "joint state: "
 AT_ONCE = Bound(zero=0.02, way=0.06)
 HEARD = Bound(zero=0.1, way=0.12)

@@ -12,7 +12,7 @@ from forest_study.faults.trials import Outcome
 PAGE = """# Faults
 
 What was done to the crane, what must happen, and what happened at worst. `scripts/faults.sh` makes
-this page in half an hour; its exit code 1 tells that a bound is broken.
+this page in an hour; its exit code 1 tells that a bound is broken.
 
 {machine}, {seeds} seeds a cell, {cells} cells. The real controller, joystick watch and valve driver
 drive the simulated machine in the closed loop. Each seed draws place, wish, sensor noise, the axis

@@ -24,7 +24,7 @@ export class Chart {
     this.moment = make("span", { className: "moment" });
     this.frame = make("div", { className: "frame", tabIndex: 0 });
     this.frame.setAttribute("role", "button");
-    this.frame.setAttribute("aria-label", `${definition.title}: stop or go on`);
+    this.frame.setAttribute("aria-label", `${definition.title}, ${definition.lines[0].label}: stop or go on`);
     this.frame.style.minHeight = `${this.#size().height}px`; // before the first drawing, too
     this.element = make("div", { className: "chart", hidden: true }, this.#readings(), this.frame);
     this.frame.addEventListener("click", () => this.pause.toggle());

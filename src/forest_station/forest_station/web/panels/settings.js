@@ -56,7 +56,7 @@ export function mount(element, station) {
 
 function made(one, told, set) {
   const control = one.make(told, (value) => set(one.node, one.name, value));
-  control.element.setAttribute("aria-label", one.label);
+  (control.input ?? control.element).setAttribute("aria-label", one.label);
   return { ...control, label: make("span", { textContent: one.label, title: told.text }), means: make("small") };
 }
 

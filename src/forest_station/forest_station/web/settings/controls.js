@@ -33,7 +33,7 @@ export function makeSlider({ range: [low, high] }, unit, set) {
     slider.value = value;
     tell();
   };
-  return { element: make("div", { className: "slider" }, slider, told), show };
+  return { element: make("div", { className: "slider" }, slider, told), input: slider, show };
 }
 
 // What a parameter takes, in words.
