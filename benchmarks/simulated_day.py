@@ -1,6 +1,7 @@
 """Stops and precision of the crane over a simulated day, in one closed loop that is never started anew.
 
     python benchmarks/simulated_day.py [--hours 24] [--machine c180] [--seed 1]
+                                       [--anti-sway] [--tip-acceleration M/S2]
 
 A person presses the deadman, goes towards joint angles that are drawn, lets go on the way, and so on, every
 8 s. The table has an hour a row: what drifts or overflows with time would differ between the first and the
@@ -49,12 +50,20 @@ def main() -> int:
     parser.add_argument("--hours", type=float, default=24.0)
     parser.add_argument("--machine", default="c180")
     parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--anti-sway", action="store_true")
+    parser.add_argument("--tip-acceleration", type=float, default=-1.0)
     options = parser.parse_args()
-    moved, marks = day(load_machine(options.machine), round(options.hours * HOUR / TURN), options.seed)
+    control = controller_settings.Settings(
+        tip_speed=SPEED, anti_sway=options.anti_sway, tip_acceleration=options.tip_acceleration
+    )
+    machine, count = load_machine(options.machine), round(options.hours * HOUR / TURN)
+    moved, marks = day(machine, count, options.seed, control)
     return report([judged(moved, *mark) for mark in marks])
 
 
-def day(machine: Machine, count: int, seed: int) -> tuple[Trajectory, list[tuple[int, int, int]]]:
+def day(
+    machine: Machine, count: int, seed: int, control: controller_settings.Settings
+) -> tuple[Trajectory, list[tuple[int, int, int]]]:
     """Drive so many turns; return what happened, and of each turn the rows of beginning, release and end."""
     chance, rows = np.random.default_rng(seed), round(TURN / PERIOD)
     low, high = np.array(joint_limits(machine)).T
@@ -63,7 +72,7 @@ def day(machine: Machine, count: int, seed: int) -> tuple[Trajectory, list[tuple
         machine,
         np.zeros((count * rows, 4)),
         start,
-        controller_settings.Settings(tip_speed=SPEED),
+        control,
         valve_driver_parameters.Settings(),
         suite=noisy(machine, seed),
     )
