@@ -18,7 +18,7 @@ if ! cmp --silent "$lock" "$tool/$lock"; then
 fi
 export PYTHONPATH=$tool/lib${PYTHONPATH:+:$PYTHONPATH}
 read -r -a targets <<<"${*:2}"
-((${#targets[@]})) || mapfile -t targets < <("$venv/bin/python" test/fuzz/fuzz.py)
+((${#targets[@]})) || mapfile -t targets < <("$venv/bin/python" test/fuzz/fuzz.py 2>"$tool/targets.log")
 for target in "${targets[@]}"; do
     found=$tool/found/$target
     mkdir -p "$found"

@@ -256,16 +256,17 @@ def test_zero_is_repeated_for_three_tenths_of_a_second(clock, guard, tmp_path):
     assert clock.now == pytest.approx(1000.3, abs=0.02)
 
 
-def test_the_failure_names_the_node_its_end_and_its_last_word_that_is_no_information(graph_of, told):
-    graph = graph_of(simulator="says=[WARN]_warm|[ERROR]_too_hot|[ERROR]_melted|[INFO]_bye ends=3")
+@pytest.mark.parametrize("code", [0, 3])
+def test_the_failure_names_the_node_its_end_and_its_last_word_that_is_no_information(graph_of, told, code):
+    graph = graph_of(simulator=f"says=[WARN]_warm|[ERROR]_too_hot|[ERROR]_melted|[INFO]_bye ends={code}")
     with running(graph, told), pytest.raises(GraphError) as failed:
         graph.run()
-    assert str(failed.value) == "simulator ended with exit code 3: [ERROR] melted"
+    assert str(failed.value) == f"simulator ended with exit code {code}: [ERROR] melted"
 
 
 @pytest.mark.parametrize("number", [signal.SIGKILL, signal.SIGHUP, signal.SIGABRT, signal.SIGSEGV])
 def test_a_node_that_was_killed_is_named_with_the_signal(graph_of, told, number, tmp_path):
-    graph, crash = graph_of(simulator=""), number in (signal.SIGABRT, signal.SIGSEGV)
+    graph, crash = graph_of(simulator="says=[WARN]_warm"), number in (signal.SIGABRT, signal.SIGSEGV)
     where = f"; where it was is at the end of {tmp_path / 'logs/log/simulator.log'}" if crash else ""
     with running(graph, told):
         os.kill(graph._processes[0].popen.pid, number)

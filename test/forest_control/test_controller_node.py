@@ -298,6 +298,21 @@ def test_a_second_joystick_whose_deadman_is_held_too_stops_the_crane_and_is_name
     r.push()
 
 
+def test_a_second_machine_stops_the_crane_and_is_named_though_it_says_the_same(rig, peer):
+    r, said = rig(*RIGID).hold_the_deadman(), peer.hear(topics.DIAGNOSTICS)
+    other = peer.repeat(topics.JOINT_STATES, joints, 100.0)
+    assert peer.reaction(r.standing, r.process) < 0.1 + MARGIN
+    named = "joint state: more than one node publishes it; allowed: one machine"
+    peer.until(lambda: any(s.message == named for m in said for s in m.status))
+    heard = len(r.commands)
+    peer.until(lambda: len(r.commands) > heard + 100)
+    assert r.standing(100)
+    other.cancel()
+    peer.until(lambda: len(r.commands) > heard + 300)
+    assert r.standing(300)  # the levers were not centred since
+    r.push()
+
+
 def test_a_trouble_comes_as_a_diagnostic(rig, peer):
     heard = peer.hear(topics.DIAGNOSTICS)
     r = rig().hold_the_deadman()

@@ -23,7 +23,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from graph_processes import NODES, alive, nodes_of
 from rclpy.qos import QoSProfile, ReliabilityPolicy
-from shouter import SHOUTED
+from shouter import SHOUTED, STANDS
 from stall import Stall
 
 from forest_bringup.graph import graph_nodes, parse_options
@@ -38,6 +38,7 @@ from forest_msgs_py.serialization.unpacking import ArrayReader
 
 MACHINE = "c180"
 LINKS = load_machine(MACHINE).manipulator.links
+STRANGERS = tip_position(STANDS, LINKS)
 BEGUN, REST, AGAIN, ENDS = 2.5, 7.0, 7.8, 9.3  # [s]
 ACTS = 3
 LATEST = 4.8  # [s] for a fault to begin
@@ -221,7 +222,8 @@ class LiveCrane:
         meanwhile = [at for at in opened if self._fault <= at < min(healed, act)]
         last = max(meanwhile, default=self._fault)
         stops = last < min(healed, act) - 0.2
-        tips = [tip for at, tip in self.ears.tips if self._fault - 0.02 <= at < last + 0.5]
+        since = self._fault - 0.02
+        tips = [tip for at, tip in self.ears.tips if since <= at < last + 0.5 and tip != STRANGERS]
         here = time.monotonic() - time.time()
         told = [said for at, said in self.ears.told if at >= self._fault]
         return Outcome(

@@ -236,7 +236,8 @@ def of_nodes() -> dict[str, Cell]:
 
 def of_others() -> dict[str, Cell]:
     """Return what happens beside the nodes."""
-    stopped = {"told": "more than one node publishes", "again": False}
+    several = "more than one node publishes"
+    stopped = {"told": several, "again": False}
     return {
         "two joysticks": Cell("a stranger's /joy at rest, 20 Hz", rival("joy", 20.0), 0.3),
         "flood": Cell("a stranger's /joy at rest, 10 kHz", rival("joy", 10_000.0), 0.3),
@@ -245,6 +246,9 @@ def of_others() -> dict[str, Cell]:
         ),
         "two drivers": Cell(
             "a stranger's /valve_voltages of 3 V, 20 Hz", rival("valve_voltages", 20.0), 0.15, **stopped
+        ),
+        "two machines": Cell(
+            "a stranger's /joint_states that stand, 20 Hz", rival("joint_states", 20.0), 0.15, several
         ),
         "disk full": Cell("the recorder's files cannot grow", supervised(full_disk), None, "cannot write", 1),
         "no memory": Cell("the controller gets no more memory, for a second", supervised(no_memory), None),

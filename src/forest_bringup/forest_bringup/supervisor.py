@@ -327,14 +327,14 @@ class Supervisor:
 
 def _exit_report(process: _Process, code: int) -> str:
     """Which node ended, how, and what it said last."""
-    reason = f"was killed by {_signal_name(-code)}" if code < 0 else f"ended with exit code {code}"
-    if code in (-signal.SIGABRT, -signal.SIGSEGV):
-        return f"{process.spec.name} {reason}; where it was is at the end of {process.log}"
+    name = process.spec.name
     if code < 0:
-        return f"{process.spec.name} {reason}"
+        crashed = code in (-signal.SIGABRT, -signal.SIGSEGV)
+        where = f"; where it was is at the end of {process.log}" if crashed else ""
+        return f"{name} was killed by {_signal_name(-code)}{where}"
     log = process.log.read_text(encoding="utf-8", errors="replace").strip().splitlines()
     last = [line for line in log if "[INFO]" not in line][-1:]
-    return f"{process.spec.name} {reason}" + (f": {last[0].strip()}" if last else "")
+    return f"{name} ended with exit code {code}" + (f": {last[0].strip()}" if last else "")
 
 
 def _signal_name(number: int) -> str:

@@ -129,6 +129,7 @@ def test_a_loop_of_its_own_ends_before_the_last_words(talker, wait_until):
     [
         (("-p", "fault:=fire"), "talker: parameter 'fault' is 'fire'; allowed: one of , bug, failure, done"),
         (("-p",), "talker: failed to initialize rcl"),
+        (("--fire",), "talker: unknown ROS arguments ['--fire']; allowed: --ros-args"),
         (("--", "fire"), "talker: unknown argument 'fire'; allowed: --ros-args"),
     ],
 )

@@ -5,7 +5,7 @@ import itertools
 import numpy as np
 import pytest
 
-from forest_msgs_py.safety.talkers import NOBODY, TOGETHER, are_several, heard
+from forest_msgs_py.safety.talkers import NOBODY, TOGETHER, Publishers, are_several, heard
 
 PERIOD = 0.005  # [s]
 
@@ -80,3 +80,17 @@ def test_four_are_told_apart():
     for k, number in enumerate((60, 50, 40, 30, 20, 10)):
         known = heard(known, number, 10.0 + k * PERIOD)
     assert [talker.number for talker in known.heard] == [40, 30, 20, 10]
+
+
+def test_publishers_are_told_apart_as_their_messages_come(monkeypatch):
+    now = 5.0
+    monkeypatch.setattr("time.monotonic", lambda: now)
+    publishers = Publishers()
+    for number in (7, 1):
+        publishers.hear({"publication_sequence_number": number})
+        publishers.hear({})  # of a middleware that does not count
+        assert not publishers.are_several()
+    publishers.hear({"publication_sequence_number": 8})
+    assert publishers.are_several()
+    now += TOGETHER
+    assert not publishers.are_several()

@@ -1,7 +1,6 @@
 """The controller's inputs from topics and its output to topics: conversions only, which decide nothing."""
 
 import math
-import time
 from collections.abc import Callable
 from functools import partial
 from typing import Any
@@ -25,15 +24,16 @@ from forest_description.types import Vec3
 from forest_msgs_py.clock.node_clock import number_publisher
 from forest_msgs_py.interfaces import topics
 from forest_msgs_py.interfaces.topics import message_class
-from forest_msgs_py.safety import talkers
 from forest_msgs_py.safety.diagnostics import Diagnostics
 from forest_msgs_py.safety.input_status import InputStatus
+from forest_msgs_py.safety.talkers import Publishers
 from forest_msgs_py.serialization.unpacking import ArrayReader, JointReader, read_joy_data
 
 FRAME = "base_link"
 BOOM_PRESSURES = "boom_1_actuator", "boom_2_actuator"
 PRESSURE_TIMEOUT = 0.1  # [s] at which pressures count as none
 SEVERAL = "joy: more than one node publishes it; allowed: one joystick"
+SEVERAL_MACHINES = "joint state: more than one node publishes it; allowed: one machine"
 NO_RATES = "joint state: no finite velocity; allowed: rad/s of every joint"
 
 
@@ -49,7 +49,8 @@ class ControllerInputs:
     def __init__(self, node_clock: Any, machine: Machine, deadman: int) -> None:
         self._node_clock = node_clock
         self.joy, self.valves = node_clock.polled_subscription(topics.JOY), ValveReports(node_clock, machine)
-        self.joy.heard, self._talkers = self._note_talker, talkers.NOBODY
+        self._joysticks, self._machines = Publishers(), Publishers()
+        self.joy.heard = self._joysticks.hear
         self.actuators = node_clock.polled_subscription(topics.ACTUATOR_STATES)
         self.pressures = node_clock.polled_subscription(topics.PRESSURES)
         self._boom = ArrayReader(topics.PRESSURES, BOOM_PRESSURES)
@@ -78,6 +79,7 @@ class ControllerInputs:
             guard: knows the joystick.
             limits: gives what limits the motion, by names with units.
         """
+        joints.heard = self._machines.hear
         heard = partial(InputStatus, node, self._node_clock)
         joystick = heard(self.joy, "a joystick", lambda: guard.misses_joystick(self.joy.age()))
         diagnostics.watch("joystick", joystick, values=guard.joystick_values)
@@ -88,7 +90,7 @@ class ControllerInputs:
         """Have the guard hear every joystick sample that waits, oldest first."""
         for data, received in self.joy.arrivals():
             reading, frame = read_joy_data(data, RIGHT_Y + 1, self._deadman + 1)
-            if talkers.are_several(self._talkers, time.monotonic()):
+            if self._joysticks.are_several():
                 guard.hear(unreadable_sample(received), SEVERAL)
                 continue
             if reading.problem:
@@ -97,11 +99,6 @@ class ControllerInputs:
             content, before = reading.values, self._before
             self._before = content
             guard.hear(joystick_sample(reading.stamp_ns, frame, received, content, before, self._deadman))
-
-    def _note_talker(self, info: dict[str, int]) -> None:
-        """Take in the middleware's info about a joystick sample."""
-        number = info.get("publication_sequence_number")
-        self._talkers = talkers.heard(self._talkers, number, time.monotonic())
 
     def read_operator(self, controller: GuardedController) -> None:
         """Have the controller hear joystick samples and taught commands that wait."""
@@ -121,7 +118,8 @@ class ControllerInputs:
         """Return what a message of the joints says, and why it cannot be read, or ""."""
         reading = self._joints.read(data)
         angles, rates = reading.values.position, reading.values.velocity
-        problem = reading.problem or ("" if rates else NO_RATES)
+        several = SEVERAL_MACHINES if self._machines.are_several() else ""
+        problem = several or reading.problem or ("" if rates else NO_RATES)
         state = MachineState(
             angles=angles,
             rates=rates,

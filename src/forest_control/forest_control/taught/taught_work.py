@@ -147,7 +147,7 @@ class TaughtWork:
             raise Refused(f"{self._name} is under way; allowed: a trajectory after stop")
         leg = trajectory_leg(points, self._here(), self.p)
         self._begin(NAME, (leg,))
-        times = f"{points[-1].time:.1f} s asked for, {leg.duration:.1f} s planned"
+        times = f"{points[-1].time:.1f} s asked for, {leg.duration:.1f} s at the least"
         return self._say(f"{NAME}: {leg.path.length:.2f} m, {times}")
 
     def pause(self) -> str:

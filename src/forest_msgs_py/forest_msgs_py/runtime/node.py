@@ -127,8 +127,7 @@ def run_node(factory: Callable[[], Node], args: Sequence[str] | None = None) -> 
     signals = _StopSignals()
     try:
         try:
-            rclpy.init(args=args, signal_handler_options=SignalHandlerOptions.NO)
-            _refuse_other_arguments(args)
+            _start_ros(args)
             node = factory()
             _warn_of_unknown_parameters(node)
         except _start_errors() as error:
@@ -151,8 +150,14 @@ def _start_errors() -> tuple[type[BaseException], ...]:
     return (ValueError, OSError, NodeFailure, ParameterException, NameValidationException, RCLError)
 
 
-def _refuse_other_arguments(args: Sequence[str] | None) -> None:
-    """Raise ValueError unless ROS understands every argument: others it passes over in silence."""
+def _start_ros(args: Sequence[str] | None) -> None:
+    """Start ROS; raise ValueError unless it understands every argument: some it passes over in silence."""
+    from rclpy._rclpy_pybind11 import UnknownROSArgsError
+
+    try:
+        rclpy.init(args=args, signal_handler_options=SignalHandlerOptions.NO)
+    except UnknownROSArgsError as error:
+        raise ValueError(f"unknown ROS arguments {error}; allowed: {ARGUMENTS}") from error
     others = remove_ros_args(sys.argv if args is None else list(args))[1:]
     if others:
         raise ValueError(f"unknown argument {others[0]!r}; allowed: {ARGUMENTS}")

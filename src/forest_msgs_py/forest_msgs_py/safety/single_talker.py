@@ -7,8 +7,8 @@ from rclpy.node import Node
 
 from forest_msgs_py.interfaces.topics import Topic
 from forest_msgs_py.runtime.publishers import UNKNOWN, publishers_of
-from forest_msgs_py.safety import talkers
 from forest_msgs_py.safety.emergency_stop import EmergencyStop
+from forest_msgs_py.safety.talkers import Publishers
 
 PRESSED = "emergency stop pressed"
 ASK_PERIOD = 0.2  # [s] between two questions for names: a node's name is found later than its messages
@@ -26,7 +26,7 @@ class SingleTalker:
 
     def __init__(self, node: Node, topic: Topic, received: Any, stop: EmergencyStop) -> None:
         self._node, self._topic, self._stop = node, topic, stop
-        self._talkers, self._said, self._asked = talkers.NOBODY, "", -ASK_PERIOD
+        self._publishers, self._said, self._asked = Publishers(), "", -ASK_PERIOD
         self._names: set[str] = set()  # of all that were there since it was found: a rival may have gone
         received.heard = self._hear
         stop.refuse_while(self._objection)
@@ -41,9 +41,9 @@ class SingleTalker:
 
     def _objection(self) -> str:
         """Return who talks beside whom, as long as they do; "" where one talks alone."""
-        now = time.monotonic()
-        if not talkers.are_several(self._talkers, now):
+        if not self._publishers.are_several():
             return ""
+        now = time.monotonic()
         if now - self._asked >= ASK_PERIOD:
             self._asked, found = now, set(publishers_of(self._node, self._topic))
             self._names |= found - {UNKNOWN}
@@ -53,7 +53,6 @@ class SingleTalker:
         return self._said
 
     def _hear(self, info: dict[str, int]) -> None:
-        now = time.monotonic()
-        self._talkers = talkers.heard(self._talkers, info.get("publication_sequence_number"), now)
-        if talkers.are_several(self._talkers, now) and not self._stop.pressed:
+        self._publishers.hear(info)
+        if self._publishers.are_several() and not self._stop.pressed:
             self._stop.press()

@@ -15,6 +15,7 @@ Of a middleware that does not count messages nothing is found.
 """
 
 import math
+import time
 from typing import NamedTuple
 
 TOGETHER = 0.5  # [s] of silence after which a publisher has left the topic to others; chosen
@@ -38,25 +39,40 @@ class Talkers(NamedTuple):
 NOBODY = Talkers()
 
 
-def heard(before: Talkers, number: int | None, time: float) -> Talkers:
+def heard(before: Talkers, number: int | None, now: float) -> Talkers:
     """Take in a message.
 
     Args:
         before: what was known.
         number: that its publisher gave it; None: the middleware does not count.
-        time: when it is heard [s].
+        now: when it is heard [s].
     """
     if number is None:
         return before
-    there = tuple(talker for talker in before.heard if time - talker.time < TOGETHER)
+    there = tuple(talker for talker in before.heard if now - talker.time < TOGETHER)
     below = [talker for talker in reversed(there) if talker.number < number]  # of equals the newest
     same = max(below, key=lambda talker: talker.number, default=None)
     others = tuple(talker for talker in there if talker is not same)
     by_turns = same is not None and same is not there[-1]
-    together = time if by_turns else before.together
-    return Talkers((*others, Talker(number, time))[-MOST:], together)
+    together = now if by_turns else before.together
+    return Talkers((*others, Talker(number, now))[-MOST:], together)
 
 
 def are_several(talkers: Talkers, now: float) -> bool:
     """Tell whether two have talked by turns lately, at a time [s]."""
     return now - talkers.together < TOGETHER
+
+
+class Publishers:
+    """Who publishes a topic, as its messages come."""
+
+    def __init__(self) -> None:
+        self._talkers = NOBODY
+
+    def hear(self, info: dict[str, int]) -> None:
+        """Take in the middleware's info about a message that came now."""
+        self._talkers = heard(self._talkers, info.get("publication_sequence_number"), time.monotonic())
+
+    def are_several(self) -> bool:
+        """Tell whether two have published by turns lately."""
+        return are_several(self._talkers, time.monotonic())
