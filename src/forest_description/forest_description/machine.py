@@ -31,8 +31,8 @@ from forest_description.sensors.sensor_kinds import Sensors
 from forest_description.types import AXES
 
 OWN_SECTIONS = ("valve", "hose")
-ROUNDING = 1e-3  # [m] of a reach, as its complaint has it
 """What an axis may have of its own instead of what all share."""
+ROUNDING = 1e-3  # [m] of a reach, as its complaint has it
 
 
 class _Part(NamedTuple):
@@ -51,6 +51,11 @@ def _farther(parts: tuple[_Part, ...], by: float) -> tuple[_Part, ...]:
 def _moment(parts: tuple[_Part, ...], m: Manipulator) -> float:
     """Return the moment [N m] of parts' weights about their joint."""
     return m.gravity * sum(part.mass * part.distance for part in parts)
+
+
+def _carried(parts: tuple[_Part, ...]) -> float:
+    """Return the inertia [kg m^2] of parts about their joint."""
+    return sum(part.inertia + part.mass * part.distance**2 for part in parts)
 
 
 @dataclass(frozen=True)
@@ -216,7 +221,7 @@ class Machine(ParameterSet):
             )
 
     def _check_elasticity(self) -> None:
-        """Raise unless the links give way by little under the crane's own weight and the swing's motor."""
+        """Raise unless links give way by little under weight and motor, and the motor suits its gear."""
         m = self.manipulator
         stick = _Part(m.stick_mass, abs(m.stick_x), m.stick_zz), _Part(m.head_mass, m.stick_length, 0.0)
         boom = _Part(m.boom_mass, abs(m.boom_x), m.boom_zz), *_farther(stick, m.boom_length)
@@ -229,9 +234,10 @@ class Machine(ParameterSet):
         ):
             if link is not None:
                 link.require_stiff(f"{name}.elasticity", torque, of)
-                carried = sum(part.inertia + part.mass * part.distance**2 for part in parts)
-                link.require_light(f"{name}.elasticity", carried)
-                link.require_springy(f"{name}.elasticity", carried)
+                link.require_light(f"{name}.elasticity", _carried(parts))
+                link.require_springy(f"{name}.elasticity", _carried(parts))
+        if self.swing.backlash is not None:
+            self.swing.backlash.require_strikes(_carried(whole), self.swing.gear_ratio)
 
     def _check_joints(self) -> None:
         """Raise unless boom and stick go where the kinematics are made for."""

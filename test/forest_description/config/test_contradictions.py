@@ -114,6 +114,18 @@ OTHERS = [
         "more than the outstretched crane has about this joint; allowed: below 3.489e+04 kg*m2",
     ),
     (
+        "c180",
+        "swing:\n  backlash:\n    motor_inertia: = 9 kg*m2\n",
+        4,
+        "swing.backlash.motor_inertia (9 kg*m2): through the gear more than the outstretched crane has",
+    ),
+    (
+        "c180",
+        "swing:\n  backlash:\n    damping: = 1e9 N*m*s/rad\n",
+        4,
+        "the motor would creep on its teeth rather than strike them; allowed: below 1.248e+05 N*m*s/rad",
+    ),
+    (
         "forwarder",
         "boom:\n  holding_1:\n    setting: = 60 MPa\n",
         4,

@@ -4,6 +4,7 @@ import dataclasses
 
 import pytest
 
+from forest_description.hydraulics.load_holding_parameters import RuptureValve
 from forest_description.machine import load_machine
 from forest_description.sensors.sensor_kinds import InertialUnit
 from forest_sim.analysis.machine_check import warnings
@@ -36,6 +37,17 @@ def holding(port, pressure, hysteresis):
     """The forwarder with a counterbalance valve of another setting and hysteresis [Pa] in its boom."""
     valve = dataclasses.replace(FORWARDER.boom.holding_1, setting=pressure, hysteresis=hysteresis)
     return changed("boom", FORWARDER, **{port: valve})
+
+
+def charted(share):
+    """The forwarder with a load chart that allows this share of its own."""
+    load = tuple(share * kg for kg in FORWARDER.capacity.load)
+    return dataclasses.replace(FORWARDER, capacity=dataclasses.replace(FORWARDER.capacity, load=load))
+
+
+def bursting(litres_per_minute):
+    """The forwarder with a hose-rupture valve at its boom that shuts at a flow."""
+    return changed("boom", FORWARDER, holding_1=RuptureValve(litres_per_minute / 6e4, 1e11, 0.01))
 
 
 def told(machine):
@@ -93,6 +105,18 @@ def test_the_shipped_machines_have_nothing_else_than_their_hoses_to_warn_of():
                 "boom.holding_1: the oil that it shuts in may come to its setting, 30.0 MPa, above the port",
             ],
         ),
+        (
+            charted(1.5),
+            [
+                "capacity: at 4.0 m it allows 30",
+                " kg, for which the boom's cylinder takes 3",
+                "the pump's 24.0 MPa",
+            ],
+        ),
+        (
+            bursting(80.0),
+            ["boom.holding_1: more than 80 L/min shut it, and at full speed 1", "L/min leave the boom"],
+        ),
     ],
     ids=[
         "resolver",
@@ -107,6 +131,8 @@ def test_the_shipped_machines_have_nothing_else_than_their_hoses_to_warn_of():
         "chassis",
         "setting under the load",
         "setting over the relief",
+        "chart over the cylinder",
+        "rupture valve under full speed",
     ],
 )
 def test_what_is_not_wise_is_told(machine, parts):
@@ -114,6 +140,11 @@ def test_what_is_not_wise_is_told(machine, parts):
     assert found
     for part in parts:
         assert part in found
+
+
+def test_a_chart_within_the_cylinder_and_a_rupture_valve_above_full_speed_are_wise():
+    assert told(charted(1.0)) == []
+    assert told(bursting(250.0)) == []
 
 
 def test_a_resolver_that_is_not_there_is_not_judged():

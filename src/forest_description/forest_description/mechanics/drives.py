@@ -1,5 +1,6 @@
 """The actuators of a crane: swing motor with its gear train, boom and stick cylinders with their linkages."""
 
+import math
 from dataclasses import dataclass
 
 from forest_description.config.parameter import (
@@ -86,6 +87,21 @@ class Backlash(ParameterSet):
     motor_inertia: float = parameter("kg*m2", 1e-6, 10.0, "of the motor and what turns with it, at its shaft")
     stiffness: float = parameter("N*m/rad", 1e4, 1e11, "of teeth and gear, seen at the joint")
     damping: float = parameter("N*m*s/rad", 0.0, 1e9, "of the teeth in contact, seen at the joint")
+
+    def require_strikes(self, carried: float, gear_ratio: float) -> None:
+        """Raise unless the motor is lighter than the crane [kg m^2], and strikes its teeth."""
+        motor = self.motor_inertia * gear_ratio**2
+        if motor >= carried:
+            raise MachineError(
+                f"swing.backlash.motor_inertia ({self.motor_inertia:g} kg*m2): through the gear more than "
+                f"the outstretched crane has; allowed: below {carried / gear_ratio**2:.4g} kg*m2"
+            )
+        critical = 2.0 * math.sqrt(self.stiffness * motor)
+        if self.damping >= critical:
+            raise MachineError(
+                f"swing.backlash.damping ({self.damping:g} N*m*s/rad): the motor would creep on its teeth "
+                f"rather than strike them; allowed: below {critical:.4g} N*m*s/rad, critical on stiffness"
+            )
 
 
 @dataclass(frozen=True)

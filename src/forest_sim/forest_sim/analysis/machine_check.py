@@ -5,12 +5,15 @@ import itertools
 import math
 from collections.abc import Iterator
 
+import numpy as np
+
 from forest_description.config.parameter import choice_of, fields_of, parameter_of
-from forest_description.derived.actuator_kinematics import metering_drop, rated_speeds
+from forest_description.derived.actuator_kinematics import displacements, metering_drop, rated_speeds
 from forest_description.derived.limits import joint_limits, workspace_limits
 from forest_description.derived.line_bandwidth import one_lump_warnings
 from forest_description.derived.tip_over import Margins, tip_over_margins
-from forest_description.hydraulics.load_holding_parameters import CounterbalanceValve
+from forest_description.geometry.linkage import lever_arm
+from forest_description.hydraulics.load_holding_parameters import CounterbalanceValve, RuptureValve
 from forest_description.machine import Machine
 from forest_description.mechanics.drives import CylinderDrive, SwingDrive
 from forest_description.types import AXES, Vec3
@@ -28,7 +31,9 @@ from forest_sim.simulation.open_loop import start_angles
 from forest_sim.solver.equilibrium import equilibrium
 
 MPA = 1e6
+LITRES = 1e-3 / 60.0  # [m^3/s] of a litre a minute
 GRID = 8  # poses of boom and of stick, less one
+CHARTED = 1.2  # of the pump's pressure: where a boom's stroke ends a chart for all heights may need 1.1
 
 
 def components(machine: Machine) -> Iterator[tuple[str, str]]:
@@ -66,7 +71,9 @@ def warnings(machine: Machine) -> list[str]:
     """Return what is allowed but not wise; each a sentence."""
     return [
         *_load_warnings(machine),
+        *_chart_warnings(machine),
         *_setting_warnings(machine),
+        *_rupture_warnings(machine),
         *_play_warnings(machine),
         *_sensor_warnings(machine),
         *_inertia_warnings(machine),
@@ -95,6 +102,40 @@ def _load_warnings(machine: Machine) -> Iterator[str]:
                         f"{name}: holding the crane still takes {highest / MPA:.1f} MPa {where}, "
                         f"more than {whose} {limit / MPA:.1f} MPa"
                     )
+
+
+def _chart_warnings(machine: Machine) -> Iterator[str]:
+    """Give a sentence if the boom's cylinder is far from holding what the load chart allows."""
+    m, chart, supply = machine.manipulator, machine.capacity, machine.pump.supply_pressure
+    if chart is None:
+        return
+    taken, drive = [], machine.boom
+    for head, rod, boom, stick in _holding_pressures(machine, 1):
+        ahead = m.boom_length * math.cos(boom) + m.stick_length * math.cos(boom + stick)
+        load = float(np.interp(m.base_offset + ahead, chart.reach, chart.load))
+        lifts = load * m.gravity * ahead / lever_arm(boom, drive.linkage)
+        force = head * drive.head_area - rod * drive.rod_area + lifts
+        needed = max(force / drive.head_area, -force / drive.rod_area)
+        taken.append((needed, m.base_offset + ahead, load))
+    highest, reach, load = max(taken)
+    if highest > CHARTED * supply:
+        yield (
+            f"capacity: at {reach:.1f} m it allows {load:.0f} kg, for which the boom's cylinder takes "
+            f"{highest / MPA:.1f} MPa, more than the pump's {supply / MPA:.1f} MPa"
+        )
+
+
+def _rupture_warnings(machine: Machine) -> Iterator[str]:
+    """Give a sentence for each hose-rupture valve that usual motion shuts."""
+    for place, axis in enumerate(AXES):
+        drive, speed = machine.drives[place], rated_speeds(machine)[place]
+        for port, valve in enumerate((drive.holding_1, drive.holding_2)):
+            leaves = displacements(machine, place)[port] * speed
+            if isinstance(valve, RuptureValve) and valve.closing_flow < leaves:
+                yield (
+                    f"{axis}.holding_{port + 1}: more than {valve.closing_flow / LITRES:.4g} L/min shut it, "
+                    f"and at full speed {leaves / LITRES:.0f} L/min leave the {axis}, though no hose bursts"
+                )
 
 
 def _setting_warnings(machine: Machine) -> Iterator[str]:
