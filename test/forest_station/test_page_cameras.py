@@ -42,7 +42,7 @@ class Picture:
         self.page, self.errors = new_page(browser, viewport)
         tip = [(f"tip/pose/{axis}", "m") for axis in "xyz"]
         joints = [(f"joint_states/{axis}.position", "rad") for axis in AXES]
-        self.met = met = PageStandIn(self.page, (*tip, *joints))
+        self.met = met = PageStandIn(self.page, (*tip, *joints), hands=False)
         met.pages |= {"/scene.json": scene_of(C180), "/bags.json": []}
         met.open()
         self.page.wait_for_selector("#scene[data-rate]")

@@ -19,6 +19,11 @@ WEB = Path(str(importlib.resources.files("forest_station") / "web"))
 ADDRESS = "http://station.test"
 POLICY = {"Content-Security-Policy": "default-src 'self'; connect-src 'self' ws://station.test"}
 YOU = "operator 1"
+NO_HANDS = """
+const send = WebSocket.prototype.send;
+WebSocket.prototype.send = function (data) { if (typeof data === "string") send.call(this, data); };
+navigator.getGamepads = () => [];
+"""
 Js = Callable[..., Any]  # a module of the page, an arrow function of it and of an argument; gives its value
 
 
@@ -39,6 +44,7 @@ class PageStandIn:
         page: that is to be opened.
         signals: names and units of the frames' values.
         dropped: further files of the page's folder, text by path, as somebody dropped them in.
+        hands: whether its hands are heard: 50 messages a second, which cost more than most tests.
     """
 
     def __init__(
@@ -46,6 +52,7 @@ class PageStandIn:
         page: Page,
         signals: tuple[tuple[str, str], ...] = (),
         dropped: dict[str, str] | None = None,
+        hands: bool = True,
     ) -> None:
         self.page, self.signals, self.dropped = page, signals, dropped or {}
         self.heard: list[Hands] = []  # every hands message, oldest first
@@ -58,6 +65,8 @@ class PageStandIn:
         page.set_default_timeout(60_000)  # [ms] at which a test fails rather than hangs
         page.route(f"{ADDRESS}/**", self._serve)
         page.route_web_socket("ws://station.test/socket", self._connect)
+        if not hands:
+            page.add_init_script(NO_HANDS)
 
     def open(self) -> None:
         """Open the page, and wait for its hands."""
