@@ -79,7 +79,7 @@ def integrated(begin, target, times, lag):
 
     found, y, now = [], [begin.position, begin.rate], 0.0
     for time in times:
-        y = solve_ivp(slope, (now, time), y, rtol=1e-8, atol=1e-8, max_step=2e-5).y[:, -1]
+        y = solve_ivp(slope, (now, time), y, rtol=1e-8, atol=1e-8, max_step=2e-4).y[:, -1]
         y[1], now = np.clip(y[1], -S, S), time
         found.append(y[0])
     return found

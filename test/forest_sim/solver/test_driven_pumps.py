@@ -209,12 +209,12 @@ def test_port_valves_feed_from_the_tank_line_and_relieve_into_it():
 @pytest.mark.parametrize("pump", ["compensated", "load sensing"])
 @pytest.mark.parametrize("slams", [False, True], ids=["random", "slams"])
 def test_energy_closes_with_everything_on(name, pump, slams):
-    """60 s: the engine's torque times speed against losses, and what the states store at both ends."""
+    """20 s: the engine's torque times speed against losses, and what the states store at both ends."""
     machine = everything(pump, load_machine(name))
-    p, rng, count = plant_parameters(machine), np.random.default_rng(7), 60000
-    levels = rng.choice([-10.0, 0.0, 10.0], (150, 3)) if slams else rng.uniform(-8.0, 8.0, (300, 3))
+    p, rng, count = plant_parameters(machine), np.random.default_rng(7), 20000
+    levels = rng.choice([-10.0, 0.0, 10.0], (50, 3)) if slams else rng.uniform(-8.0, 8.0, (100, 3))
     volts = np.repeat(levels, count // len(levels), axis=0)
-    states, energies = np.zeros((6000, len(STATE))), np.zeros((6000, len(ENERGY)))
+    states, energies = np.zeros((2000, len(STATE))), np.zeros((2000, len(ENERGY)))
     first = equilibrium(start_angles(machine), p)
     last = compiled_record()(first, volts, 1e-3, p, states, energies)
     total = with_stored_energy(account(energies.sum(axis=0)), first, last, p)
