@@ -24,6 +24,7 @@ from forest_study.closed_loop.loop_core import SUBSTEPS
 
 C180 = load_machine("c180_hoses")
 CENTRED = Levers(0.0, 0.0, 0.0)
+MACHINES = "c180", "c180_hoses"
 
 
 class Cabled(ClosedLoop):
@@ -170,21 +171,20 @@ def over_the_bound(name, seed, sooner=0):
     return max(over)
 
 
-@pytest.mark.parametrize("name", ["c180_hoses", "c180"])
+# Without the overload's rule, or with a bound 50 times as wide, the tip of c180 is thrown at seed 6.
 @pytest.mark.parametrize("seed", range(8))
-def test_whatever_slips_the_tip_is_not_thrown(name, seed):
-    assert over_the_bound(name, seed) < 0.05
+def test_whatever_slips_the_tip_is_not_thrown(seed):
+    assert over_the_bound(MACHINES[seed % 2], seed) < 0.05
 
 
-@pytest.mark.parametrize("name", ["c180_hoses", "c180"])
 @pytest.mark.parametrize("seed", range(4))
 @pytest.mark.parametrize(("lost", "most"), [((0.1, 0.5), 0.65), ((1.8, 3.0), 0.0)])
-def test_whenever_the_valves_cable_comes_back_the_tip_is_not_thrown(name, seed, lost, most):
+def test_whenever_the_valves_cable_comes_back_the_tip_is_not_thrown(seed, lost, most):
     """Beyond what the voltages before would do; soon, a joint that gets its valve back is made up for."""
     rng = np.random.default_rng([seed, 78])
     wish, tip, *_ = events(seed)
     bound, back = 1.2 * float(np.linalg.norm(wish)) + 0.1, 400 + round(rng.uniform(*lost) / PERIOD)
-    crane, over = Crane(name, tip, seed), []
+    crane, over = Crane(MACHINES[seed // 2], tip, seed), []
     for k in range(back + 120):
         if k == 400:
             volts, crane.loop.cut = crane.volts, True
