@@ -82,8 +82,8 @@ def test_a_suite_without_noise_is_the_exact_session():
 
 @pytest.mark.parametrize("scheme", list(Scheme))
 def test_a_joint_that_is_lost_shuts_every_valve_at_once(scheme):
-    moved = session(thesis, 4.0, scheme, suite=sensing("boom_resolver: absent from 2 s"))
-    lost = round(2.0 / PERIOD)
+    moved = session(thesis, 2.0, scheme, suite=sensing("boom_resolver: absent from 1.5 s"))
+    lost = round(1.5 / PERIOD)
     assert np.abs(moved.voltages[: lost - 1]).max() > 1.0
     assert not moved.voltages[lost:].any()
     assert not moved.tip_wish[lost:].any()

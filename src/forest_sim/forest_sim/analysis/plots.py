@@ -196,8 +196,9 @@ def draw_map(points: Sequence[MapPoint], spacing: float, machine: Machine, out: 
             reach, height = np.array([p[0] for p in found]), np.array([p[1] for p in found])
             grid, extent = _grid(reach, height, np.array([p[2].frequency for p in found]), spacing)
             image = axes.imshow(grid, origin="lower", extent=extent, cmap="viridis")
-            levels = axes.contour(grid, levels=8, extent=extent, colors="w", linewidths=0.6)
-            axes.clabel(levels, fontsize="x-small", fmt="%.3g")
+            if min(grid.shape) > 1:  # of a single row or column there are no contours
+                levels = axes.contour(grid, levels=8, extent=extent, colors="w", linewidths=0.6)
+                axes.clabel(levels, fontsize="x-small", fmt="%.3g")
             figure.colorbar(image, ax=axes, label="Hz", shrink=0.75)
             damping = [p[2].damping for p in found]
             axes.set_title(
