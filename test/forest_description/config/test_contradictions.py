@@ -123,7 +123,7 @@ OTHERS = [
         "c180",
         "swing:\n  backlash:\n    damping: = 1e9 N*m*s/rad\n",
         4,
-        "the motor would creep on its teeth rather than strike them; allowed: below 1.248e+05 N*m*s/rad",
+        "the motor would creep on its teeth rather than strike them; allowed: below 1.248e+06 N*m*s/rad",
     ),
     (
         "forwarder",

@@ -19,6 +19,7 @@ from forest_description.hydraulics.valve_parameters import Valve
 from forest_description.mechanics.elasticity_parameters import Elasticity
 
 LONGEST_STUCK = 0.01  # [rad] that a bearing gives way before it slides; rolling bearings give under 1e-3
+CREEPING = 10.0  # times critical damping: so damped teeth close over many of their own periods
 
 
 @dataclass(frozen=True)
@@ -96,11 +97,11 @@ class Backlash(ParameterSet):
                 f"swing.backlash.motor_inertia ({self.motor_inertia:g} kg*m2): through the gear more than "
                 f"the outstretched crane has; allowed: below {carried / gear_ratio**2:.4g} kg*m2"
             )
-        critical = 2.0 * math.sqrt(self.stiffness * motor)
-        if self.damping >= critical:
+        most = CREEPING * 2.0 * math.sqrt(self.stiffness * motor)
+        if self.damping >= most:
             raise MachineError(
                 f"swing.backlash.damping ({self.damping:g} N*m*s/rad): the motor would creep on its teeth "
-                f"rather than strike them; allowed: below {critical:.4g} N*m*s/rad, critical on stiffness"
+                f"rather than strike them; allowed: below {most:.4g} N*m*s/rad, {CREEPING:g} times critical"
             )
 
 
