@@ -300,6 +300,18 @@ class Machine(ParameterSet):
         """Return the hose of an axis: its own, or else the one that all share; axis as ``valve_of``."""
         return self.drives[axis].hose or self.hose
 
+    def demand_resolvers(self, who: str) -> None:
+        """Refuse a machine whose boom and stick have no resolvers, for who knows no other angles' errors.
+
+        Raises:
+            MachineError: they have none.
+        """
+        if not self.sensors.by_resolvers:
+            raise MachineError(
+                f"{self.name} has the angles of boom and stick by its {self.sensors.joint_angles}; "
+                f"allowed: a crane with resolvers: {who} knows no other angles' errors"
+            )
+
 
 def load_machine(name_or_path: str | Path = "c180") -> Machine:
     """Return a machine: a shipped one by its name, as "c180" or "forwarder", a drawn one, or a YAML file's.

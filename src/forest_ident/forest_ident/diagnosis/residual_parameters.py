@@ -3,7 +3,6 @@
 import math
 from typing import NamedTuple
 
-from forest_description.config.parameter import MachineError
 from forest_description.geometry.linkage import Linkage, linkage_of
 from forest_description.hydraulics.oil import COLDEST, HOTTEST, SQUARE_MILLIMETRES, WALTHER_OFFSET, Oil
 from forest_description.hydraulics.valve_characteristic import ValveLaw
@@ -64,11 +63,7 @@ def parameters(machine: Machine) -> Parameters:
     Raises:
         MachineError: boom and stick have no resolvers: the monitor knows no other angles' errors.
     """
-    if not machine.sensors.by_resolvers:
-        raise MachineError(
-            f"{machine.name} has the angles of boom and stick by its {machine.sensors.joint_angles}; "
-            "allowed: a crane with resolvers: the monitor knows no other angles' errors"
-        )
+    machine.demand_resolvers("the monitor")
     plant = plant_parameters(machine)
     swing, boom, stick = (_axis(machine, plant, i) for i in range(3))
     kind_of = {channel: kind.name for kind in KINDS for channel in kind.channels}

@@ -6,6 +6,7 @@ over angles.
 
 import numpy as np
 
+from forest_description.config.parameter import MachineError
 from forest_description.derived.limits import joint_limits
 from forest_description.geometry.linkage import cylinder_length
 from forest_description.machine import Machine
@@ -76,12 +77,10 @@ def demand_machine(machine: Machine, session: Session) -> None:
     _demand_pump(machine, session)
     if not session.on_crane:
         return
-    if not machine.sensors.by_resolvers:
-        raise SessionError(
-            f"{session.name}: {machine.name} has the angles of boom and stick by its "
-            f"{machine.sensors.joint_angles}; allowed: a crane with resolvers: a fit knows no other "
-            "angles' errors"
-        )
+    try:
+        machine.demand_resolvers("a fit")
+    except MachineError as error:
+        raise SessionError(f"{session.name}: {error}") from error
     for axis, (low, high) in zip(AXES, joint_limits(machine), strict=True):
         if not session.has(f"{axis}_resolver"):
             continue
