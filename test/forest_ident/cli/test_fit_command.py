@@ -194,8 +194,9 @@ def test_what_no_row_tells_is_not_taken_for_certain():
     problem = Problem(
         {"a": y}, [Channel("a", 0.1)], [Unknown("told", 1.0), Unknown("untold", 1.0)], 20, EMPTY
     )
-    derivatives = [{"a": np.ones(400)}, {"a": np.zeros(400)}]
-    errors = np.sqrt(np.diag(problem.covariance(problem.mean, {"a": y}, derivatives)))
+    derivatives = {"a": np.array([np.ones(400), np.zeros(400)])}
+    normal = problem.normal(problem.mean, {"a": y}, derivatives)
+    errors = np.sqrt(np.diag(problem.covariance(problem.mean, {"a": y}, derivatives, normal)))
     assert errors[0] == pytest.approx(0.1 / 20.0)
     assert errors[1] > 100.0
 

@@ -3,8 +3,8 @@ import pytest
 
 from forest_description.config.parameter import MachineError
 from forest_ident.output_error import search
-from forest_ident.output_error.fit_problem import Channel, Unknown
-from forest_ident.output_error.gaussian_estimate import condition_number, inflation
+from forest_ident.output_error.fit_problem import Channel, Problem, Unknown
+from forest_ident.output_error.gaussian_estimate import EMPTY, condition_number, inflation
 from forest_ident.output_error.output_error import fit
 
 X = np.linspace(0.0, 1.0, 2000)
@@ -242,3 +242,23 @@ def test_a_record_tells_how_far_off_a_stated_number_would_have_to_be(wrong):
     unknowns, stated = [Unknown("size", 1.9), Unknown("rate", 3.1)], [{}, {"told": 1.01}]
     found = fit(told, y, [Channel("y", 1e-3)], unknowns, stated=stated)
     assert found.asked == pytest.approx([0.0, wrong], abs=0.4)
+
+
+def test_the_gradient_is_half_the_slope_of_the_cost_static_errors_and_censored_rows_counted():
+    unknowns = [Unknown("size", 2.0), Unknown("rate", 3.0)]
+    y = np.maximum(decay({"size": 2.1, "rate": 2.9})["y"] + 0.01 * np.sin(40.0 * X), 0.5)  # a meter's floor
+    channel = Channel("y", 0.05, offset=0.1, gain=0.1, floor=0.5)
+    problem = Problem({"y": y}, [channel], unknowns, 200, EMPTY)
+    theta = problem.mean + np.array([0.02, -0.01, 0.03, 0.01])
+
+    def predicted(theta):
+        return decay(problem.values(theta))
+
+    at = predicted(theta)
+    small = 1e-6 * np.eye(4)
+    jacobian = {"y": np.array([(predicted(theta + d)["y"] - at["y"]) / 1e-6 for d in small[:2]])}
+    costs = [[problem.cost(theta + s * d, predicted(theta + s * d)) for s in (1.0, -1.0)] for d in small]
+    prior = problem.known @ (theta - problem.mean)
+    slopes = [(up - down) / 4e-6 for up, down in costs] - prior
+    np.testing.assert_allclose(problem.gradient(theta, at, jacobian), slopes, rtol=1e-4)
+    np.testing.assert_allclose(problem.normal(theta, at, jacobian)[1], slopes, rtol=1e-4)

@@ -7,7 +7,7 @@ from forest_compile import flat_layout
 from forest_description.machine import load_machine
 from forest_ident.driving.simulated_experiment import experiment
 from forest_ident.measurements.session import THERMOCOUPLES
-from forest_ident.output_error.prediction import plants_at, predict, resting_at
+from forest_ident.output_error.prediction import Offsets, plants_at, predict, resting_at
 from forest_sim.equations.plant_parameters import plant_parameters
 from forest_sim.solver.oil_temperature import parameters_at
 
@@ -57,3 +57,15 @@ def test_an_angle_that_a_record_starts_from_may_be_off_what_is_read():
     record = experiment("damping_boom", machine, seed=1, longest=2.0)
     off = predict(machine, record, start={"boom_resolver": 0.01})["boom_resolver"]
     assert off[0] - predict(machine, record)["boom_resolver"][0] == pytest.approx(0.01, abs=1e-9)
+
+
+def test_a_resolvers_error_moves_the_crane_as_its_start_does_and_the_reading_by_itself():
+    """So a fit simulates only one of the two (`Unknown.like`)."""
+    machine = load_machine("c180_hoses")
+    record = experiment("damping_boom", machine, seed=1, longest=3.0)
+    for axis in ("boom", "stick"):
+        error = predict(machine, record, Offsets(**{axis: 1e-3}))
+        start = predict(machine, record, start={f"{axis}_resolver": 1e-3})
+        for name, column in start.items():
+            shift = 1e-3 if name == f"{axis}_resolver" else 0.0
+            np.testing.assert_allclose(error[name], column - shift, rtol=1e-12, atol=1e-15)

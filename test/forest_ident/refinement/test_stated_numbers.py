@@ -103,6 +103,8 @@ def test_stated_numbers_are_unknowns_where_no_axis_sticks(monkeypatch, name, tol
     assert (STICK in unknowns, "start.boom_resolver.gravity" in unknowns) == (told, told)
     assert len(asked["stated"]) == (0 if told else 1)
     assert (asked["rough"] is None) == told  # changes are the exact model's
+    like = ("start.boom_resolver.gravity", "boom_resolver") if told else None
+    assert unknowns["boom.angle"].like == like  # a start that is no unknown has no derivative
     if told:
         assert unknowns[STICK].difference == pytest.approx(1e-5 * 54.5)
         assert unknowns["boom.angle"].difference == pytest.approx(1e-5)

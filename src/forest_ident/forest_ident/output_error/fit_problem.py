@@ -19,8 +19,8 @@ from forest_ident.output_error.gaussian_estimate import (
 )
 
 Columns = Mapping[str, Floats]
-Jacobian = Sequence[Mapping[str, Floats]]
-"""Derivatives of the predicted columns, one entry per parameter."""
+Jacobian = Mapping[str, Floats]
+"""Derivatives of the predicted columns by every parameter (parameters, rows)."""
 
 
 LONGER = (1, 4)  # times a block: residuals may be correlated over more than one
@@ -44,6 +44,7 @@ class Unknown(NamedTuple):
     own: bool = False  # of one record alone: it passes nothing of it on
     rounded: float = 0.0  # standard deviation by which the model rounds it
     begun: bool = False  # its start may be far off: the search begins with such alone
+    like: tuple[str, str] | None = None  # another with its effect, but for -1 in a channel; that channel
 
 
 class Channel(NamedTuple):
@@ -179,12 +180,23 @@ class Problem:
         self, theta: Floats, predicted: Mapping[str, Floats], jacobian: Jacobian
     ) -> tuple[Floats, Floats]:
         """Return J'J and J'r."""
-        size = len(theta)
-        information, gradient = np.zeros((size, size)), np.zeros(size)
-        for _, residual, j in self._rows(theta, predicted, jacobian):
+        information = np.zeros((len(theta), len(theta)))
+        for _, _, j in self._rows(theta, predicted, jacobian):
             information += j.T @ j
-            gradient += j.T @ residual
-        return information, gradient
+        return information, self.gradient(theta, predicted, jacobian)
+
+    def gradient(self, theta: Floats, predicted: Columns, jacobian: Jacobian) -> Floats:
+        """Return J'r, which takes a fiftieth of the time of J'J."""
+        found = np.zeros(len(theta))
+        for c in self._channels:
+            column = predicted[c.name]
+            residual, slope, _ = self.row(c, self.reading(theta, c.name, column))
+            pull = slope * residual
+            found[: self.count] += (1.0 + self._static(theta, c.name, "g")) * (jacobian[c.name] @ pull)
+            for place, (name, kind) in enumerate(self._nuisances):
+                if name == c.name:
+                    found[self.count + place] += float(pull @ column if kind == "g" else np.sum(pull))
+        return found
 
     def residuals(self, theta: Floats, predicted: Columns) -> dict[str, Floats]:
         """Return residual/sigma of every channel; censored rows are NaN."""
@@ -201,17 +213,22 @@ class Problem:
         for c in self._channels:
             column = predicted[c.name]
             residual, slope, _ = self.row(c, self.reading(theta, c.name, column))
-            j = np.zeros((len(column), len(theta)))
-            shown = slope * (1.0 + self._static(theta, c.name, "g"))
-            for place, derivative in enumerate(jacobian):
-                j[:, place] = shown * derivative[c.name]
+            j = np.zeros((len(theta), len(column)))  # a column of a sensor lies in one piece
+            np.multiply(
+                jacobian[c.name], slope * (1.0 + self._static(theta, c.name, "g")), out=j[: self.count]
+            )
             for place, (name, kind) in enumerate(self._nuisances):
                 if name == c.name:
-                    j[:, self.count + place] = slope * (column if kind == "g" else 1.0)
-            yield c, residual, j
+                    j[self.count + place] = slope * (column if kind == "g" else 1.0)
+            yield c, residual, j.T
 
     def covariance(
-        self, theta: Floats, predicted: Columns, jacobian: Jacobian, redrawn: Sequence[Columns] = ()
+        self,
+        theta: Floats,
+        predicted: Columns,
+        jacobian: Jacobian,
+        normal: tuple[Floats, Floats],
+        redrawn: Sequence[Columns] = (),
     ) -> Floats:
         """Return the covariance of theta: of white residuals, widened where they are not.
 
@@ -223,23 +240,24 @@ class Problem:
             theta: at the end of the fit.
             predicted: there.
             jacobian: there.
+            normal: J'J and J'r there.
             redrawn: predicted with the noise of the model's inputs drawn once more.
         """
-        information, gradient = self.normal(theta, predicted, jacobian)
+        information, gradient = normal
         spread = covariance_of(information + self.known)
         count = max(len(y) for y in self._y.values()) // self._block + 1
         found, white = np.zeros((count, len(theta))), np.zeros((count, len(theta)))
         for _, residual, j in self._rows(theta, predicted, jacobian):
-            influence, firsts = j @ spread, np.arange(0, len(residual), self._block)
-            found[: len(firsts)] += np.add.reduceat(influence * residual[:, np.newaxis], firsts)
-            white[: len(firsts)] += np.add.reduceat(influence**2, firsts)
+            influence, firsts = spread @ j.T, np.arange(0, len(residual), self._block)
+            found[: len(firsts)] += np.add.reduceat(influence * residual, firsts, axis=1).T
+            white[: len(firsts)] += np.add.reduceat(influence**2, firsts, axis=1).T
         starts = [np.arange(0, count, longer) for longer in LONGER if longer == 1 or FEWEST * longer <= count]
         factors = [inflation(np.add.reduceat(found, at), np.add.reduceat(white, at)) for at in starts]
         factor = (
             max((float(np.mean(one[: self.count])) for one in factors), default=1.0) if self.count else 1.0
         )
         widened = spread + (factor - 1.0) * spread @ information @ spread
-        moves = [spread @ (self.normal(theta, after, jacobian)[1] - gradient) for after in redrawn]
+        moves = [spread @ (self.gradient(theta, after, jacobian) - gradient) for after in redrawn]
         of_inputs = np.mean([np.outer(move, move) for move in moves], axis=0) if moves else 0.0
         return np.asarray(widened + of_inputs, dtype=np.float64)
 
@@ -259,6 +277,8 @@ class Problem:
             moved: predicted with each stated number one standard deviation off.
             before: T_0, moves of the prior's mean m (theta, stated); K is the prior's information.
         """
+        if not moved:
+            return StatedEffect(before, dict.fromkeys(predicted, 0.0), np.zeros(0))
         rows = list(self._rows(theta, predicted, jacobian))
         changes = [self._changes(theta, moved, channel, residual) for channel, residual, _ in rows]
         information = sum((j.T @ j for _, _, j in rows), np.zeros((len(theta), len(theta))))

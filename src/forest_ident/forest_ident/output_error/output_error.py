@@ -85,19 +85,21 @@ def _told(
     inputs, stated = (
         [after(predicted, one) for one in effects] for effects in (end.effects.inputs, end.effects.stated)
     )
-    untaken = _untaken(problem, end)
-    covariance = problem.covariance(theta, predicted, jacobian, inputs) + np.outer(untaken, untaken)
+    normal = information, gradient = problem.normal(theta, predicted, jacobian)
+    hessian = information + problem.known
+    # The step that derivatives still ask for: where chance refuses it, it counts as an error.
+    untaken = -covariance_of(hessian) @ (gradient + problem.known @ (theta - problem.mean))
+    covariance = problem.covariance(theta, predicted, jacobian, normal, inputs) + np.outer(untaken, untaken)
     values = problem.values(theta)
     told = problem.stated_effect(theta, predicted, jacobian, stated, before)
     sds = np.sqrt(np.maximum(np.diag(covariance), 0.0))[: problem.count].tolist()
     pairs = zip(unknowns, sds, strict=True)
-    information = problem.normal(theta, predicted, jacobian)[0] + problem.known
     usual = max(problem.cost(theta, predicted), sum(len(column) for column in predicted.values()))
-    refused = float(untaken @ information @ untaken) > REFUSED * usual
+    refused = float(untaken @ hessian @ untaken) > REFUSED * usual
     return Fit(
         values=values,
         errors={u.key: sd * values[u.key] if u.positive else sd for u, sd in pairs},
-        condition=condition_number(information[: problem.count, : problem.count]),
+        condition=condition_number(hessian[: problem.count, : problem.count]),
         posterior=updated(prior, problem.names, theta, covariance, told.slopes if stated else None),
         residuals=problem.residuals(theta, predicted),
         noise=dict(problem.sigma),
@@ -106,10 +108,3 @@ def _told(
         converged=end.converged and not refused,
         asked=told.asked,
     )
-
-
-def _untaken(problem: Problem, end: End) -> Floats:
-    """Return the step that derivatives still ask for: where chance refuses it, it counts as an error."""
-    information, gradient = problem.normal(end.at.theta, end.at.predicted, end.jacobian)
-    slope = gradient + problem.known @ (end.at.theta - problem.mean)
-    return -covariance_of(information + problem.known) @ slope

@@ -25,12 +25,12 @@ from forest_ident.measurements.session import THERMOCOUPLES, Session
 from forest_sim.equations.plant import at_joints
 from forest_sim.equations.plant_parameters import PlantParameters, plant_parameters
 from forest_sim.sensors.sensor_readings import surroundings
-from forest_sim.solver.compiled_plant import fastest_record
+from forest_sim.solver.compiled_plant import fastest_run
 from forest_sim.solver.equilibrium import equilibrium
 from forest_sim.solver.integrator import Simulation
 from forest_sim.solver.oil_temperature import parameters_at
 from forest_sim.solver.state_recording import STATE, store
-from forest_sim.solver.step_schedule import even
+from forest_sim.solver.step_schedule import StepSchedule, even
 
 BLOCK = 1.0  # [s] over which the oil has one temperature; 2 s leave 1.7 times the noise of a ringing boom
 STEP = 1e-3  # [s] of the integrator
@@ -73,17 +73,16 @@ def predict(
     firsts, plants = _plants(machine, session, offsets.temperature)
     lengths = np.diff([*firsts, count])
     p = _over_time(plants, lengths)
-    states = np.zeros((count, len(STATE)))
+    states = np.empty((count, len(STATE)))
     simulation = _start(session, _layout()[1](plants[0].tolist()), offsets, start)
     store(simulation, states[0])
     substeps = max(1, round(period / step))
-    record = fastest_record()
+    volts, run = np.repeat(session.voltages[:-1], substeps, axis=0), fastest_run(simulation)
+    steps = even(period / substeps, count, substeps)
     for first, length, plant in zip(firsts, lengths.tolist(), plants, strict=True):
-        rows = slice(first + 1, min(first + length, count - 1) + 1)
-        volts = np.repeat(session.voltages[first : rows.stop - 1], substeps, axis=0)
-        if len(volts) > 0:
-            steps = even(period / substeps, rows.stop - rows.start, substeps)
-            simulation = record(simulation, volts, steps, plant, states[rows], None)
+        end = min(first + length, count - 1)
+        part = StepSchedule(steps.steps[first:end], steps.counts[first:end])
+        run(volts[substeps * first : substeps * end], part, plant, states[first + 1 : end + 1])
     columns = true_columns(states, p, surroundings(machine), bench, bench)
     meter = machine.sensors.flow_meter
     # Exact meters of the simulator (`--exact`) do not lag.

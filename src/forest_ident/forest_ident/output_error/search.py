@@ -2,7 +2,7 @@
 
 It begins with the parameters whose start may be far off, by the rough model if there is one. All derivatives
 come after that, a simulation each, and are kept as long as steps grow shorter. The exact model is simulated
-at the end alone, where there is a rough one.
+at the end alone, where there is a rough one; where there is none, derivatives are bent along the steps.
 Symbols as in `output_error`.
 """
 
@@ -26,6 +26,7 @@ CONVERGED = 0.1  # of the standard errors, that the last step moved what other r
 STALE = 0.03  # of a positive parameter, from where derivatives were taken, to take them again
 SHARE = 0.25  # of a standard error, the same: what hardly acts may move far
 SLOW = 0.3  # of the last step; after a longer step derivatives are taken again, too
+BENT = 4  # so many longer steps are allowed where derivatives are bent
 LITTLE = 0.03  # by which a step lowers the cost at least, if the search is to go on: 1 is a standard error
 USELESS = 0.01  # share of the cost, the same, where the model does not explain the record
 
@@ -46,7 +47,6 @@ class Place(NamedTuple):
 class Effects(NamedTuple):
     """How predictions of the rough model change by what no parameter is."""
 
-    taken: Floats  # theta there
     stated: list[Columns]  # by a standard deviation of each stated number; empty ones are not felt
     inputs: list[Columns]  # by the noise of the model's inputs, drawn once more
 
@@ -88,24 +88,30 @@ class Search:
         """
         at, base, iterations = self._approached()
         taken, jacobian = at.theta, self._derivatives(at, base, self._every)
-        effects = self._effects(at, base)
-        least = self._least(at, jacobian, effects, before)
-        last, fresh, converged = math.inf, True, False
+        felt, stated = at.theta, self._of_stated(at, base)
+        least = self._least(at, jacobian, stated, before)
+        allowed = BENT if self._rough is self._model else 0
+        last, slow, fresh, converged = math.inf, 0, True, False
         while not converged and iterations < ITERATIONS:
-            iterations += 1
-            at = self._step(self._model, at, jacobian, least)
+            iterations, start = iterations + 1, at
+            at = self._step(self._model, start, jacobian, least)
+            if allowed and at.moved > CONVERGED:  # a shorter step tells what chance makes of it
+                self._bend(jacobian, start, at)
             stale = self._is_stale(at, taken)
             ended = CONVERGED > at.moved > 0.0 or ((at.moved > 0.0 or fresh) and at.fall < LITTLE)
             converged = (ended and not stale) or (at.moved > 0.0 and at.fall < self._useless(at))
-            fresh = stale or at.moved > SLOW * last or at.moved == 0.0
-            last = math.inf if fresh else at.moved
+            slow += at.moved > SLOW * last
+            fresh = stale or slow > allowed or at.moved == 0.0
+            last, slow = (math.inf, 0) if fresh else (at.moved, slow)
             if fresh and not converged:
                 taken, jacobian = at.theta, self._derivatives(at, self._base(at), self._every)
                 at = at._replace(damping=DAMPING)
-            elif converged and self._is_stale(at, effects.taken):
-                effects, converged = self._effects(at, self._base(at)), False
-                least = self._least(at, jacobian, effects, before)
-        return End(at, jacobian, effects, iterations, converged)
+            elif converged and stated and self._is_stale(at, felt):
+                felt, stated, converged = at.theta, self._of_stated(at, self._base(at)), False
+                least = self._least(at, jacobian, stated, before)
+        base = self._base(at) if self._redrawn else {}
+        inputs = [self._change(model, at, base) for model in self._redrawn]
+        return End(at, jacobian, Effects(stated, inputs), iterations, converged)
 
     def _approached(self) -> tuple[Place, dict[str, Floats], int]:
         """Return where steps of the rough model in what begins far off lead.
@@ -113,10 +119,11 @@ class Search:
         With it: what the rough model predicts there, and the number of steps.
         """
         begun = [place for place in self._every if self._unknowns[place].begun]
+        held = [place for place in self._every if place not in begun]
         at, steps = self._place(self._rough, self._problem.mean), 0
         taken, jacobian = at.theta, self._derivatives(at, at.predicted, begun)
         while begun and steps < ITERATIONS:
-            at, steps = self._step(self._rough, at, jacobian, 0.0), steps + 1
+            at, steps = self._step(self._rough, at, jacobian, 0.0, held), steps + 1
             if at.fall < USELESS * self._problem.cost(at.theta, at.predicted):
                 break
             if self._is_stale(at, taken):
@@ -131,19 +138,20 @@ class Search:
         self._problem.update_noise(theta, predicted)
         return Place(theta, predicted, DAMPING, 0.0, 0.0, np.zeros(len(theta)))
 
-    def _effects(self, at: Place, base: Columns) -> Effects:
-        """Return the effects at a place; base: what the rough model predicts there."""
+    def _of_stated(self, at: Place, base: Columns) -> list[Columns]:
+        """Return the effects of stated numbers at a place; base: what the rough model predicts there."""
+        return [self._change(self._rough, at, base, number) if number else {} for number in self._stated]
 
-        def change(model: Model, number: Mapping[str, float]) -> Columns:
-            moved = self._simulate(model, at.theta, number)
-            return {name: moved[name] - column for name, column in base.items()}
+    def _change(
+        self, model: Model, at: Place, base: Columns, number: Mapping[str, float] = MappingProxyType({})
+    ) -> Columns:
+        """Return what another model, or another number, changes at a place."""
+        moved = self._simulate(model, at.theta, number)
+        return {name: moved[name] - column for name, column in base.items()}
 
-        inputs = [change(model, {}) for model in self._redrawn]
-        return Effects(at.theta, [change(self._rough, n) if n else {} for n in self._stated], inputs)
-
-    def _least(self, at: Place, jacobian: Jacobian, effects: Effects, before: Floats) -> Floats:
+    def _least(self, at: Place, jacobian: Jacobian, stated: list[Columns], before: Floats) -> Floats:
         """Return the standard deviations of theta that stated numbers and rounding add."""
-        moved = [after(at.predicted, one) for one in effects.stated]
+        moved = [after(at.predicted, one) for one in stated]
         moves = self._problem.stated_effect(at.theta, at.predicted, jacobian, moved, before).slopes
         return np.asarray(np.hypot(np.sqrt(np.sum(moves**2, axis=1)), self._problem.rounded))
 
@@ -168,9 +176,7 @@ class Search:
         far = any(self._problem.sigma[c.name] > FAR * c.noise for c in self._channels)
         return USELESS * self._problem.cost(at.theta, at.predicted) if far else 0.0
 
-    def _derivatives(
-        self, at: Place, base: dict[str, Floats], places: Collection[int]
-    ) -> list[dict[str, Floats]]:
+    def _derivatives(self, at: Place, base: dict[str, Floats], places: Collection[int]) -> dict[str, Floats]:
         """Return derivatives at a place, 0 by what is not asked for.
 
         Args:
@@ -178,14 +184,33 @@ class Search:
             base: predictions of the rough model there.
             places: of the parameters.
         """
-        found = []
-        for place, unknown in enumerate(self._unknowns):
-            model, before = (self._model, at.predicted) if unknown.rounded else (self._rough, base)
-            after, difference = before, 1.0
-            if place in places:
-                after, difference = self._moved(model, at.theta, place)
-            found.append({name: (after[name] - column) / difference for name, column in before.items()})
+        found = {name: np.zeros((len(self._unknowns), len(column))) for name, column in base.items()}
+        keys = [unknown.key for unknown in self._unknowns]
+        for place in (place for place in places if self._unknowns[place].like is None):
+            rounded = self._unknowns[place].rounded
+            model, before = (self._model, at.predicted) if rounded else (self._rough, base)
+            after, difference = self._moved(model, at.theta, place)
+            for name, column in before.items():
+                found[name][place] = (after[name] - column) / difference
+        for place in places:
+            if like := self._unknowns[place].like:
+                for name, derivatives in found.items():
+                    derivatives[place] = derivatives[keys.index(like[0])] - float(name == like[1])
         return found
+
+    def _bend(self, jacobian: Jacobian, before: Place, at: Place) -> None:
+        """Bend derivatives along a step (Broyden), so that they tell where it has led.
+
+        J += (yhat(theta + d) - yhat(theta) - J d) w' / w'd,  w = d over the squares of the errors
+        """
+        count = len(self._unknowns)
+        move = (at.theta - before.theta)[:count]
+        weights = move / at.errors[:count] ** 2
+        length = float(weights @ move)
+        for name, derivatives in jacobian.items() if length > 0.0 else ():
+            left = at.predicted[name] - before.predicted[name] - move @ derivatives
+            for derivative, share in zip(derivatives, weights / length, strict=True):
+                derivative += share * left
 
     def _moved(self, model: Model, theta: Floats, place: int) -> tuple[dict[str, Floats], float]:
         """Return what a moved parameter predicts, and its move: downwards where no machine is above."""
@@ -197,7 +222,9 @@ class Search:
             moved[place] -= 2.0 * difference
             return self._simulate(model, moved), -difference
 
-    def _step(self, model: Model, at: Place, jacobian: Jacobian, least: Floats | float) -> Place:
+    def _step(
+        self, model: Model, at: Place, jacobian: Jacobian, least: Floats | float, held: Sequence[int] = ()
+    ) -> Place:
         """Return where a step leads that lowers the cost, or the same place.
 
         Args:
@@ -205,11 +232,14 @@ class Search:
             at: from where.
             jacobian: derivatives.
             least: standard deviations of theta that stated numbers and rounding add.
+            held: places of what does not move, though its prior hangs together with what does.
         """
         problem, theta, damping = self._problem, at.theta, at.damping
         information, gradient = problem.normal(theta, at.predicted, jacobian)
         hessian = information + problem.known
         slope = gradient + problem.known @ (theta - problem.mean)
+        still = np.array(held, dtype=int)
+        slope[still], hessian[still], hessian[:, still], hessian[still, still] = 0.0, 0.0, 0.0, 1.0
         errors = np.hypot(np.sqrt(np.maximum(np.diag(inverse(hessian)), 1e-300)), least)
         before = problem.cost(theta, at.predicted)
         for _ in range(TRIES):

@@ -73,19 +73,28 @@ def of_record(machine: Machine, session: Session, work: Task, known: GaussianEst
             sd = noise_model.accuracy(machine, session, "thermocouple") / math.sqrt(3.0)
             found.append(Unknown(name, 0.0, max(sd, 0.01), positive=False, difference=0.1))
         elif name in ANGLES and (sd := noise_model.accuracy(machine, session, "resolver")) > 0.0:
-            found.append(Unknown(name, 0.0, sd, positive=False, difference=by.angle))
+            # Where the start is an unknown, too, both move the crane alike, and this one its reading.
+            start, by_chance = _start_angle(machine, session, name)
+            like = (start, f"{name.partition('.')[0]}_resolver") if by_chance > 0.0 else None
+            found.append(Unknown(name, 0.0, sd, positive=False, difference=by.angle, like=like))
     return found
 
 
 def starts(machine: Machine, session: Session, work: Task, known: GaussianEstimate) -> list[Unknown]:
     """Return the unknown start of a crane's record: pressures; angles, too, where no axis sticks."""
     found = _start_pressures(machine, session, work, known)
-    for axis in AXES if tells_stated(machine) and session.on_crane else ():
-        sd = noise_model.start_noise(machine, session, f"{axis}.angle")
-        if sd > 0.0 and f"{axis}.angle" in work.nuisances:
-            key = f"{START}{axis}_resolver.{session.name}"
+    for angle in (name for name in ANGLES if name in work.nuisances):
+        key, sd = _start_angle(machine, session, angle)
+        if sd > 0.0:
             found.append(Unknown(key, 0.0, sd, positive=False, difference=FINE.angle, own=True))
     return found
+
+
+def _start_angle(machine: Machine, session: Session, angle: str) -> tuple[str, float]:
+    """Return the unknown start of an angle with its standard deviation; 0: it is none."""
+    key = f"{START}{angle.partition('.')[0]}_resolver.{session.name}"
+    unknown = tells_stated(machine) and session.on_crane
+    return key, noise_model.start_noise(machine, session, angle) if unknown else 0.0
 
 
 def stated(machine: Machine, felt: Mapping[str, float], known: GaussianEstimate) -> list[Unknown]:

@@ -24,8 +24,10 @@ from forest_sim.solver.step_schedule import StepSchedule, schedule_of
 
 Advance = Callable[[Simulation, Vec3, float, int, PlantParameters], Simulation]
 Record = Callable[
-    [Simulation, Floats, StepSchedule | float, PlantParameters | Floats, Floats, Floats | None], Simulation
+    [Simulation, Floats, StepSchedule | float, PlantParameters, Floats, Floats | None], Simulation
 ]
+Run = Callable[[Floats, StepSchedule, Floats, Floats], None]
+"""Voltages, their schedule, the plant's row, and the states to be filled."""
 DOUBLE = ctypes.sizeof(ctypes.c_double)
 NOTHING, STATES, ENERGIES = 0, 1, 2
 """What the kernel records."""
@@ -91,7 +93,7 @@ class _LastCall(threading.local):
         self._result: Simulation | None = None
 
     def moved(
-        self, simulation: Simulation, p: PlantParameters | Floats, move: Callable[[FlatPlant], None]
+        self, simulation: Simulation, p: PlantParameters, move: Callable[[FlatPlant], None]
     ) -> Simulation:
         """Return what a call moves a machine to."""
         self._flat.set_parameters(p)
@@ -148,7 +150,7 @@ def compiled_record() -> Record:
         simulation: Simulation,
         voltages: Floats,
         schedule: StepSchedule | float,
-        p: PlantParameters | Floats,
+        p: PlantParameters,
         states: Floats,
         energies: Floats | None,
     ) -> Simulation:
@@ -163,20 +165,31 @@ def ready_advance() -> Advance | None:
 
 
 def fastest_record() -> Record:
-    """Return `state_recording.record`, compiled where llvmlite is installed: some hundred times faster.
+    """Return `state_recording.record`, compiled where llvmlite is installed: some hundred times faster."""
+    return compiled_record() if can_compile() else state_recording.record
 
-    Parameters may come as a row that `flat_layout` lays out.
+
+def fastest_run(simulation: Simulation) -> Run:
+    """Return what records a machine on and on from a state: compiled where llvmlite is installed.
+
+    Parameters are a row that `flat_layout` lays out.
     """
-    return compiled_record() if can_compile() else _interpreted_record
+    if not can_compile():
+        return _interpreted_run(simulation)
+    flat = FlatPlant()
+    flat.lay_out(simulation)
+
+    def run(voltages: Floats, schedule: StepSchedule, p: Floats, states: Floats) -> None:
+        flat.set_parameters(p)
+        flat.record(voltages, schedule, states, None)
+
+    return run
 
 
-def _interpreted_record(
-    simulation: Simulation,
-    voltages: Floats,
-    schedule: StepSchedule | float,
-    p: PlantParameters | Floats,
-    states: Floats,
-    energies: Floats | None,
-) -> Simulation:
-    plant = _unpacker()(p.tolist()) if isinstance(p, np.ndarray) else p
-    return state_recording.record(simulation, voltages, schedule, plant, states, energies)
+def _interpreted_run(simulation: Simulation) -> Run:
+    def run(voltages: Floats, schedule: StepSchedule, p: Floats, states: Floats) -> None:
+        nonlocal simulation
+        plant = _unpacker()(p.tolist())
+        simulation = state_recording.record(simulation, voltages, schedule, plant, states, None)
+
+    return run
