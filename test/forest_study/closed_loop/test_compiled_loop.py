@@ -50,8 +50,9 @@ def interpreted(table, machine, settings, drive, model, suite):
     return closed_loop.run(machine, operator, end, START, settings, drive, model, suite)
 
 
-def assert_same(settings, drive, machine=C180, model=C180, seed=0):
-    suite, table = sensor_suite(machine, noise=True, seed=seed), hand(seed)
+def assert_same(settings, drive, machine=C180, model=C180, seed=0, table=None):
+    suite = sensor_suite(machine, noise=True, seed=seed)
+    table = hand(seed) if table is None else table
     fast = compiled_loop.run(machine, table, START, settings, drive, model, suite)
     python = interpreted(table, machine, settings, drive, model, suite)
     for name, a, b in zip(fast._fields, fast, python, strict=True):
@@ -85,6 +86,20 @@ def test_so_is_another_machine_than_believed_with_slow_sensors_and_none():
     drive = valve_driver_parameters.Settings(adapt=True)
     assert_same(controller_settings.Settings(), drive, other, C180, seed=2)
     assert_same(controller_settings.Settings(), drive, C180, other, seed=3)
+
+
+def test_so_is_a_crane_whose_valves_open_less_than_believed_and_are_asked_for_no_more():
+    """The driver tells the controller what it has learnt."""
+    curve = TableCurve(voltages=(3.0, 6.0, 10.0), resistances=(9e12, 1e12, 3e11))
+    weak = {
+        name: dataclasses.replace(drive, valve=dataclasses.replace(C180.valve, curve=curve))
+        for name, drive in (("swing", C180.swing), ("stick", C180.stick))
+    }
+    table = np.tile([1.0, 0.0, 0.8, 1.0], (ROWS, 1))
+    table[:20, :3] = 0.0
+    settings = controller_settings.Settings(tip_speed=3.0)
+    drive = valve_driver_parameters.Settings(adapt=True)
+    assert_same(settings, drive, dataclasses.replace(C180, **weak), C180, seed=1, table=table)
 
 
 def test_so_is_a_crane_whose_angles_are_by_inertial_units():

@@ -27,7 +27,7 @@ from forest_control.pipeline.guarded_controller import GuardedController
 from forest_control.safety.driver_response import DriverSample
 from forest_control.safety.motion_permission import Permission, Verdict, armed_watch
 from forest_control.valve import valve_driver, valve_driver_parameters
-from forest_control.valve.tracking_limit import learnt_opening_ratio
+from forest_control.valve.tracking_limit import STATUS_EVERY, learnt_opening_ratio
 from forest_description.geometry.kinematics import tip_position
 from forest_description.machine import Machine
 from forest_description.types import ZERO, Floats, Vec3
@@ -225,9 +225,10 @@ class ClosedLoop:
         self._control(heard)
         command = self._command(heard)
         volts = self._in_force(command, seen)
-        self._reports = reported(
-            self._reports, learnt_opening_ratio(self._driver.estimates, self._drive.axes)
-        )
+        learnt = self._reports.newer
+        if self._reports.step % STATUS_EVERY == 0:  # else the driver's next step says nothing of it
+            learnt = learnt_opening_ratio(self._driver.estimates, self._drive.axes)
+        self._reports = reported(self._reports, learnt)
         self._move(volts)
         self._count += 1
         return Happened(
