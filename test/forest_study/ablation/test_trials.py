@@ -7,7 +7,7 @@ import pytest
 
 from forest_description.machine import load_machine
 from forest_msgs_py.types import PERIOD
-from forest_study.ablation import ablation_command
+from forest_study.ablation import ablation_command, scenes
 from forest_study.ablation.constants import changed
 from forest_study.ablation.pushes import END, QUIET, activity, misjudged, push, pushed, rest
 from forest_study.cli import main
@@ -66,6 +66,13 @@ def test_a_hold_zone_that_is_gone_lets_the_valves_cycle():
     """With it nothing does: `test_valve_driver_at_rest`."""
     settings = changed({"valve_driver.hold_zone": 0.0})
     assert pushed(load_machine("c180_hoses"), 0, 1.1, 0.0, settings).cycles
+
+
+def test_a_tip_that_never_moves_is_a_failure_of_control(monkeypatch):
+    monkeypatch.setattr(scenes, "_driven", lambda *_: trajectory(0.0, 0.0))
+    for scene in (scenes.stops, scenes.sway):
+        with pytest.raises(ValueError, match="the tip never moves"):
+            scene(load_machine("c180_hoses"), changed({}))
 
 
 USUAL = {"slow, mm/s": 6.0, "cycles, 1.1": 2.0, "rest, 1.1, mm": 5.0, "stop, s": 0.20}

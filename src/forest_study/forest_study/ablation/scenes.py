@@ -11,6 +11,7 @@ from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from forest_control.operator.levers import levers_for_tip_velocity
 from forest_control.servo.schemes import Scheme
@@ -110,7 +111,7 @@ def stops(machine: Machine, settings: Settings) -> dict[str, float]:
         moved = _driven((*parts, *more), machine, settings, seed)
         let_go, back = round(1.1 / PERIOD), round(2.8 / PERIOD)
         speed = np.linalg.norm(np.gradient(moved.tip[let_go:back], PERIOD, axis=0), axis=1)
-        still.append(PERIOD * float(np.flatnonzero(speed > 0.1 * SPEED)[-1] + 1))
+        still.append(PERIOD * (_last(speed > 0.1 * SPEED) + 1))
         away.append(1e3 * float(np.linalg.norm(moved.tip[let_go:back] - moved.tip[let_go], axis=1).max()))
         again.append(1e3 * _rms(_governed(moved)[back:]))
     return {"stop, s": max(still), "stop, mm": max(away), "start, mm": max(again)}
@@ -176,7 +177,7 @@ def sway(machine: Machine, settings: Settings) -> dict[str, float]:
     parts = (Part((0.0, 0.0, 0.0), 0.3), Part((-0.4, 0.3, 0.0), 1.5), Part((0.0, 0.0, 0.0), 4.0))
     moved = _driven(parts, machine, quiet, 0)
     speed = np.linalg.norm(np.gradient(moved.tip, PERIOD, axis=0), axis=1)
-    return {"anti-sway, s": PERIOD * float(np.flatnonzero(speed > 0.02)[-1]) - 1.8}
+    return {"anti-sway, s": PERIOD * _last(speed > 0.02) - 1.8}
 
 
 def pushes(
@@ -264,6 +265,18 @@ def _governed(moved: Trajectory) -> Floats:
     error = moved.tip_error()
     distance: Floats = np.linalg.norm(error - error[0], axis=1)
     return distance
+
+
+def _last(moving: NDArray[np.bool_]) -> int:
+    """Return the last row in which the tip moves.
+
+    Raises:
+        ValueError: it never does: control has failed.
+    """
+    rows = np.flatnonzero(moving)
+    if not len(rows):
+        raise ValueError("the tip never moves")
+    return int(rows[-1])
 
 
 def _rms(values: Floats) -> float:
