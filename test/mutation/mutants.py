@@ -3,12 +3,13 @@
 Cosmic Ray finds the places and edits its parse tree. The rest of the module keeps its text, which
 `forest_compile` can still translate. Runs in the interpreter that has Cosmic Ray; see scripts/mutate.sh.
 
-    python mutants.py SOURCE...    one JSON object a line: function, line, key, original, text
+    python mutants.py SOURCE...    one JSON object a line: function, line, key, original, source, text
 """
 
 from __future__ import annotations
 
 import ast
+import copy
 import json
 import re
 import sys
@@ -18,7 +19,6 @@ from pathlib import Path
 from typing import Any
 
 from cosmic_ray.ast import ast_nodes, get_ast
-from cosmic_ray.mutating import mutate_code
 from cosmic_ray.operators.boolean_replacer import AddNot
 from cosmic_ray.operators.number_replacer import NumberReplacer
 from cosmic_ray.operators.operator import Operator
@@ -150,11 +150,21 @@ def _function(node: Any) -> str:
     return ".".join(names)
 
 
+def _mutated(source: str, operator: Operator, node: Any, index: int) -> str:
+    """Return the source with one node changed; Cosmic Ray itself would parse it anew."""
+    first, last = _offset(source, node.get_start_pos_of_prefix()), _offset(source, node.end_pos)
+    own = copy.deepcopy(node, {id(node.parent): node.parent})
+    return source[:first] + str(operator.mutate(own, index).get_code()) + source[last:]
+
+
+def _offset(source: str, position: tuple[int, int]) -> int:
+    return sum(map(len, source.splitlines(keepends=True)[: position[0] - 1])) + position[1]
+
+
 def _lines(source: str, mutated: str, start: tuple[int, int], end: tuple[int, int]) -> tuple[str, str]:
     """Return the changed line, and the same with old and new text between « and »."""
     lines = source.splitlines(keepends=True)
-    first = sum(map(len, lines[: start[0] - 1])) + start[1]
-    last = sum(map(len, lines[: end[0] - 1])) + end[1]
+    first, last = _offset(source, start), _offset(source, end)
     old, new = source[first:last], mutated[first : len(mutated) - (len(source) - last)].strip()
     head, tail = lines[start[0] - 1][: start[1]], lines[end[0] - 1][end[1] :].split("  #")[0]
     return " ".join(f"{head}{old}{tail}".split()), " ".join(
@@ -164,13 +174,26 @@ def _lines(source: str, mutated: str, start: tuple[int, int], end: tuple[int, in
 
 def mutants(path: str) -> Iterator[dict[str, Any]]:
     """Yield the mutants of a module, no two of the same meaning."""
-    source = Path(path).read_text("utf-8")
-    seen, keys = {ast.dump(ast.parse(source))}, Counter[tuple[str, str]]()
+    head, keys = "", Counter[tuple[str, str]]()
+    statements = [child.get_code() for child in get_ast(Path(path).read_text("utf-8")).children]
+    for number, statement in enumerate(statements):
+        tail = "".join(statements[number + 1 :])
+        for mutant in _of_statement(statement, head.count("\n")):
+            keys[mutant["function"], mutant["key"]] += 1  # the same line may stand twice in a function
+            again = keys[mutant["function"], mutant["key"]]
+            mutant["key"] += f"  #{again}" if again > 1 else ""
+            yield {**mutant, "source": path, "text": head + mutant["text"] + tail}
+        head += statement
+
+
+def _of_statement(source: str, above: int) -> Iterator[dict[str, Any]]:
+    """Yield the mutants of one of a module's statements, which stands below so many lines."""
+    seen, nodes = {ast.dump(ast.parse(source))}, [*ast_nodes(get_ast(source))]
     operators = [get_operator(f"core/{name}")() for name in CORE]
     for operator in (*operators, Otherwise(), Whole(), Size(), Extreme(), Side(), Forget()):
-        places = [(n, *at) for n in ast_nodes(get_ast(source)) for at in operator.mutation_positions(n)]
-        for occurrence, (node, start, end) in enumerate(places):
-            mutated = mutate_code(source, operator, occurrence)
+        places = [(n, i, *at) for n in nodes for i, at in enumerate(operator.mutation_positions(n))]
+        for node, index, start, end in places:
+            mutated = _mutated(source, operator, node, index)
             try:
                 meaning = ast.dump(ast.parse(mutated))
             except SyntaxError:
@@ -178,10 +201,8 @@ def mutants(path: str) -> Iterator[dict[str, Any]]:
             if meaning in seen:
                 continue
             seen.add(meaning)
-            function, (original, key) = _function(node), _lines(source, mutated, start, end)
-            keys[function, key] += 1  # the same line may stand twice in a function
-            key += f"  #{keys[function, key]}" if keys[function, key] > 1 else ""
-            place = {"function": function, "line": start[0], "key": key, "original": original}
+            original, key = _lines(source, mutated, start, end)
+            place = {"function": _function(node), "line": above + start[0], "key": key, "original": original}
             yield {**place, "text": mutated}
 
 
