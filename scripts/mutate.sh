@@ -3,8 +3,11 @@
 #
 #   scripts/mutate.sh              every module of test/mutation/modules.yaml
 #   scripts/mutate.sh MODULE...    some, by their stems: scripts/mutate.sh velocity_scaling workspace
+#   scripts/mutate.sh --sample N [--seed SEED] [GROUP...]
+#                                  N mutants of each group of test/mutation/sampled.yaml, drawn at random
 #
-# The exit code is 1 if a survivor is not explained in test/mutation/survivors.yaml.
+# The exit code is 1 if a survivor is not explained in test/mutation/survivors.yaml; of a sample, if the
+# tests notice less than 90 % of a group's.
 set -euo pipefail
 # shellcheck source=scripts/setup.sh
 source "$(dirname "${BASH_SOURCE[0]}")/setup.sh" test
@@ -29,5 +32,7 @@ for entry in [!.]*; do # what tests read, and nobody breaks
     [[ -e $copy/$entry ]] || ln -s -- "$root/$entry" "$copy/$entry"
 done
 packages=$(printf ':%s' "$copy"/src/*)
-PYTHONPATH=${packages#:}${PYTHONPATH:+:$PYTHONPATH} "$venv/bin/python" "$copy/test/mutation/run.py" \
+run=run.py
+[[ " $* " != *" --sample"* ]] || run=sample.py
+PYTHONPATH=${packages#:}${PYTHONPATH:+:$PYTHONPATH} "$venv/bin/python" "$copy/test/mutation/$run" \
     "$tool/bin/python" "$copy" "$@"

@@ -165,6 +165,14 @@ def test_another_default_of_a_keyword_is_another_digest(entry):
     assert fingerprint.digest(some) != fingerprint.digest(others)
 
 
+@pytest.mark.parametrize("name", ["__qualname__", "__module__"])
+def test_a_law_of_another_name_or_file_is_another_digest(entry, name):
+    """Faults tell of both."""
+    renamed = entry()
+    setattr(renamed.names["law"], name, "another")
+    assert fingerprint.digest(renamed) != fingerprint.digest(entry())
+
+
 def test_so_do_all_parts_of_an_entry(entry):
     whole = entry()
     parts = [

@@ -158,6 +158,13 @@ def test_a_file_or_directory_that_others_can_write_is_not_used(form, cache, capl
     assert cache.stat().st_mode & 0o777 == 0o700
 
 
+def test_a_cache_is_made_with_all_folders_above_it(form, cache, monkeypatch, caplog):
+    monkeypatch.setenv("XDG_CACHE_HOME", str(cache.parent / "no" / "such"))
+    cached().kernel()
+    assert [file.suffix for file in (cache.parent / "no" / "such" / "forest_sim").iterdir()] == [form]
+    assert not caplog.records
+
+
 def test_a_link_is_not_followed(form, cache, caplog):
     one = cached()
     one.kernel()

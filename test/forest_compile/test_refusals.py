@@ -641,6 +641,14 @@ def summed(p):
     return total
 
 
+def doubled(p):
+    two = p.n + p.n
+    eight = two + two + two + two
+    sixty_four = eight + eight + eight + eight + eight + eight + eight + eight
+    many = sixty_four + sixty_four + sixty_four + sixty_four + sixty_four + sixty_four + sixty_four
+    return many + many
+
+
 def halved(p):
     there_and_back = (p.n + 9007199254740991) - 9007199254740991
     return there_and_back + (p.n + 9007199254740990) / 2
@@ -707,6 +715,7 @@ FAULTS = [
     (last_replaced, BOTH, "an index beyond"),
     (product, P(n=2), "a whole number beyond"),
     (summed, P(n=1), "a whole number beyond"),
+    (doubled, P(n=2**44), "a whole number beyond"),
     (halved, P(n=2), "a whole number beyond"),
     (cut, P(math.nan), "a whole number beyond 2.*or of no number"),
     (cut, P(-1e16), "a whole number beyond"),

@@ -189,8 +189,58 @@ def not_numbers(p):
     return int(nan < 1.0), int(not nan >= 1.0), int(nan != nan), int(math.isfinite(nan)), max(1.0, nan)
 
 
+def left_early(p):
+    total, rounds = 0.0, 0
+    for i in range(6):
+        rounds = rounds + 1
+        if i == p.count + 2:
+            total = total + 100.0
+            break
+        if i == 1 or p.x > 1.0:
+            total = total - p.y
+            continue
+        total = total + p.x
+    else:
+        total = total * 2.0
+    while rounds > 0:
+        rounds -= 2
+        if rounds == 1:
+            total += 0.5
+            break
+    else:
+        total -= 0.25
+    for k in range(5, p.count, -2):
+        total = total * 0.5 + k
+    for k in range(p.count, 3):
+        total += k
+    return total, rounds
+
+
+def carried(p):
+    pair, point = (p.x, (p.y, p.count)), p
+    for i in range(4):
+        pair = (pair[1][0], (pair[0] + 1.0, i))
+        point = point._replace(x=point.y, y=0.5 * point.x)
+    return pair, point
+
+
+def whole_numbers(p):
+    n, on = p.count, p.x > 0.0
+    products = (n - 2) * (n + 2), n * 7 - 3, n * on, -on, on + on, n * -n
+    rests = n % 5, n % -5, -7 % (n * n + 1), (n - 9) % 4
+    return (
+        products,
+        rests,
+        (min(n, 2), max(n, 0, -1)),
+        (n == 2) != on,
+        not n,
+        abs(n - 1),
+        (n, on) == (1, True),
+    )
+
+
 LANGUAGE = [arithmetic, functions, choices, loops, tuples, not_numbers]
-LANGUAGE += [changed, powers, angles, listed_out, gone_through]
+LANGUAGE += [changed, powers, angles, listed_out, gone_through, left_early, carried, whole_numbers]
 
 
 @pytest.mark.parametrize("law", LANGUAGE)

@@ -2,7 +2,8 @@
 
 Works in a copy of the checkout, which scripts/mutate.sh makes. What is not the project's is imported once.
 Each mutant is a fork, in which pytest runs until the first failure. llvmlite is hidden, so that laws run
-interpreted: each mutant would have to be compiled anew.
+interpreted: each mutant would have to be compiled anew. Those of the translator, and of what no kernel is
+made of, have it.
 
     python run.py GENERATOR COPY [MODULE...]    interpreter with Cosmic Ray, copy, stems of modules
 """
@@ -19,6 +20,7 @@ import resource
 import signal
 import subprocess
 import sys
+import time
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -29,9 +31,12 @@ tomllib = importlib.import_module("tomllib" if sys.version_info >= (3, 11) else 
 
 HERE = Path(__file__).parent
 PASSED = 0
+COMPILED = ("forest_compile", "forest_ident")  # packages whose tests have llvmlite
 SPARE = 4.0  # times the processor time of the tests, at which a mutant that hangs is ended
-LIMIT_S = 300  # of a test that waits, on however busy a machine
+WAIT = 10.0  # times their time, at which one that waits is ended, on however busy a machine
+LIMIT_S = 300  # of the unbroken module's tests
 Mutant = dict[str, Any]
+Tests = tuple[str, ...]
 Explained = dict[str, dict[str, str]]  # function, key: why
 
 
@@ -40,6 +45,14 @@ class Trial(NamedTuple):
 
     code: int  # pytest's, or of the signal that ended it
     processor: float  # [s]
+    took: float  # [s]
+
+
+class Limits(NamedTuple):
+    """When a test run is ended [s]."""
+
+    processor: int
+    took: int
 
 
 class Row(NamedTuple):
@@ -77,29 +90,36 @@ class Quickest:
         self.durations[report.nodeid] = self.durations.get(report.nodeid, 0.0) + report.duration
 
 
-def trial(tests: list[str], log: Path, quickest: Quickest, processor_s: int = LIMIT_S) -> Trial:
+def trial(tests: Tests, log: Path, quickest: Quickest, limits: Limits) -> Trial:
     """Run tests in a fork until the first failure; what they import lies beside the log, with their times."""
-    child = os.fork()
+    begun, child = time.monotonic(), os.fork()
     if child == 0:
         os.setsid()
         output = os.open(log, os.O_WRONLY | os.O_CREAT | os.O_TRUNC)
         os.dup2(output, 1)
         os.dup2(output, 2)
-        resource.setrlimit(resource.RLIMIT_CPU, (processor_s, processor_s))
-        signal.alarm(LIMIT_S)
+        resource.setrlimit(resource.RLIMIT_CPU, (limits.processor, limits.processor))
+        signal.alarm(limits.took)
         code = pytest.main(["-x", "-q", "-p", "no:cacheprovider", "--assert=plain", *tests], [quickest])
-        log.with_suffix(".json").write_text(json.dumps([sorted(sys.modules), quickest.durations]))
+        log.with_suffix(".json").write_text(json.dumps([imported(), quickest.durations]))
         sys.stdout.flush()
         os._exit(code)
     _, status, used = os.wait4(child, 0)
     with contextlib.suppress(ProcessLookupError):
         os.killpg(child, signal.SIGKILL)
-    return Trial(os.waitstatus_to_exitcode(status), used.ru_utime + used.ru_stime)
+    return Trial(os.waitstatus_to_exitcode(status), used.ru_utime + used.ru_stime, time.monotonic() - begun)
 
 
-def baseline(tests: list[str], package: str, log: Path) -> tuple[float, Quickest]:
-    """Return what the unbroken module's tests take [s]; import here what cannot import the module."""
-    first = trial(tests, log, Quickest({}))
+def imported() -> list[str]:
+    """Return the names of all modules but the tests' own, which may import what is to be broken."""
+    own = f"{HERE.parent}/"
+    return sorted(name for name, m in sys.modules.items() if own not in (getattr(m, "__file__", None) or ""))
+
+
+@functools.cache
+def baseline(tests: Tests, package: str, log: Path) -> tuple[Limits, Quickest]:
+    """Return what a mutant may take, by the unbroken module's tests; import what cannot import the module."""
+    first = trial(tests, log, Quickest({}), Limits(LIMIT_S, LIMIT_S))
     if first.code != PASSED:
         sys.exit(f"mutate: error: the tests fail without any mutant:\n{log.read_text()}")
     names, durations = json.loads(log.with_suffix(".json").read_text())
@@ -110,7 +130,7 @@ def baseline(tests: list[str], package: str, log: Path) -> tuple[float, Quickest
                 importlib.import_module(name)
     gc.collect()
     gc.freeze()
-    return first.processor, Quickest(durations)
+    return Limits(2 + int(SPARE * first.processor), 30 + int(WAIT * first.took)), Quickest(durations)
 
 
 def is_explained(mutant: Mutant, explained: Explained) -> bool:
@@ -119,9 +139,9 @@ def is_explained(mutant: Mutant, explained: Explained) -> bool:
     return mutant["key"] in keys or mutant["original"] in keys
 
 
-def made(generator: str, source: Path) -> list[Mutant]:
-    """Return a module's mutants in the order of its lines."""
-    command = [generator, HERE / "mutants.py", source]
+def made(generator: str, *sources: Path) -> list[Mutant]:
+    """Return the mutants of modules in the order of their lines."""
+    command = [generator, HERE / "mutants.py", *sources]
     told = subprocess.run(command, stdout=subprocess.PIPE, check=True, text=True).stdout
     return sorted(map(json.loads, told.splitlines()), key=lambda mutant: int(mutant["line"]))
 
@@ -137,13 +157,20 @@ def outdated(mutants: list[Mutant], explained: Explained) -> list[str]:
     ]
 
 
-def survivors(source: Path, mutants: list[Mutant], tests: list[str], log: Path) -> list[Mutant]:
+def survivors(source: Path, mutants: list[Mutant], tests: Tests, log: Path) -> list[Mutant]:
     """Return the mutants with which the tests pass."""
     name = ".".join(source.relative_to(log.parent / "src").parts[1:]).removesuffix(".py")
-    processor, quickest = baseline(tests, name.partition(".")[0], log)
+    package = name.partition(".")[0]
+    sys.modules.pop("llvmlite", None)
+    if package not in COMPILED:
+        sys.modules["llvmlite"] = None  # type: ignore[assignment]
+    if package == COMPILED[0]:
+        os.environ["XDG_CACHE_HOME"] = str(
+            log.parent / "cache"
+        )  # no machine code of mutants for anybody else
+    limits, quickest = baseline(tests, package, log)
     if name in sys.modules:
         sys.exit(f"mutate: error: {name} is imported already, so that no mutant of it would be.")
-    limit = 2 + int(SPARE * processor)
     for compiled in (source.parent / "__pycache__").glob(f"{source.stem}.*.pyc"):
         compiled.unlink()
     os.environ["PYTHONDONTWRITEBYTECODE"], sys.dont_write_bytecode = "1", True
@@ -152,11 +179,12 @@ def survivors(source: Path, mutants: list[Mutant], tests: list[str], log: Path) 
         if sys.stderr.isatty():
             print(f"\r{source.stem}: {number} of {len(mutants)} ", end="", file=sys.stderr, flush=True)
         source.write_text(mutant["text"], "utf-8")
-        if trial(tests, log, quickest, limit).code == PASSED:
+        if trial(tests, log, quickest, limits).code == PASSED:
             left.append(mutant)
             print(f"survived: {name}:{mutant['line']} {mutant['function']}: {mutant['key']}", flush=True)
     source.write_text(text, "utf-8")
     del os.environ["PYTHONDONTWRITEBYTECODE"]
+    os.environ.pop("XDG_CACHE_HOME", None)
     sys.dont_write_bytecode = False
     return left
 
@@ -172,19 +200,23 @@ def chosen(stems: list[str]) -> dict[str, list[str]]:
     return {module: modules[module] for module in sorted(wanted, key=lambda m: -layer(Path(m).parts[0]))}
 
 
-def main(generator: str, copy: str, *stems: str) -> int:
-    """Print the survivors and the table; return 1 if a survivor is not explained."""
-    root, rows, old = Path(copy).resolve(), [], []
+def prepared(copy: str) -> tuple[Path, dict[str, Explained]]:
+    """Return the copy, in which the tests now run, and by module the survivors that are explained."""
+    root = Path(copy).resolve()
     os.chdir(root)
     os.environ["WITHOUT_PHASES"] = "shrink explain"  # of hypothesis: that a mutant dies is enough
-    sys.modules["llvmlite"] = None  # type: ignore[assignment]
     sys.path[:0] = [str(path) for path in (root / "src").iterdir()]
-    reasons: dict[str, Explained] = yaml.safe_load((HERE / "survivors.yaml").read_text("utf-8")) or {}
+    return root, yaml.safe_load((HERE / "survivors.yaml").read_text("utf-8"))
+
+
+def main(generator: str, copy: str, *stems: str) -> int:
+    """Print the survivors and the table; return 1 if a survivor is not explained."""
+    (root, reasons), rows, old = prepared(copy), [], []
     for module, tests in chosen([*stems]).items():
         source, explained = root / "src" / module, reasons.get(module, {})
         mutants = made(generator, source)
         tried = [mutant for mutant in mutants if not is_explained(mutant, explained)]
-        left = survivors(source, tried, [f"test/{test}" for test in tests], root / "log")
+        left = survivors(source, tried, tuple(f"test/{test}" for test in tests), root / "log")
         old += [f"{module} {line}" for line in outdated(mutants, explained)]
         rows.append(Row(source.name, len(mutants), len(mutants) - len(tried), len(left)))
     print(table(rows))

@@ -185,6 +185,20 @@ def test_the_space_held_for_the_summary_lets_a_file_on_a_full_disk_end_well(tmp_
         assert make_reader(stream).get_summary().statistics.message_count == 50
 
 
+def test_the_space_held_grows_with_all_that_the_summary_repeats(tmp_path, monkeypatch):
+    """A chunk's index entry is of 87 bytes: head 9, times and places 36, a channel 10, sizes 24, zstd 8."""
+    file, held = McapFile(tmp_path / "a.mcap"), []
+    monkeypatch.setattr(file._file, "keep_free", held.append)
+    before = file._file.size
+    channel = file.add_channel("/a", file.add_schema("pkg/msg/A", "ros2msg", bytes(1000)), {})
+    defined = file._file.size - before
+    for step in range(3):
+        file.add_message(channel, step, b"", 0, 0)
+        file.flush()
+    assert held == [16 * 1024 + 2 * defined + chunks * 87 for chunks in (1, 2, 3)]
+    file.finish()
+
+
 def test_the_disk_s_refusal_to_sync_is_told_at_a_later_flush(tmp_path, monkeypatch, wait_until):
     def broken(_descriptor):
         raise OSError(errno.EIO, "Input/output error")

@@ -184,3 +184,15 @@ def test_a_type_without_files_is_recorded_all_the_same(tmp_path):
     with (tmp_path / "bag" / "bag_0.mcap").open("rb") as stream:
         ((schema, _, message),) = make_reader(stream).iter_messages()
     assert (schema.name, schema.encoding, message.data) == ("nobodys_msgs/msg/Odd", "", b"bytes")
+
+
+def test_messages_are_counted_by_topic_as_they_are_taken_in_and_when_their_file_is_finished(tmp_path):
+    bag = BagWriter(tmp_path / "bag")
+    bag.add_topic("/a", "std_msgs/msg/String", [], "")
+    assert (bag.counts, bag.lost, bag.message_count, bag.written) == ({"/a": 0}, {"/a": 0}, 0, 0)
+    for step in range(2):
+        bag.write("/a", b"\x00\x01\x00\x00", step, step)
+    assert (bag.counts, bag.message_count, bag.written) == ({"/a": 2}, 2, 0)
+    assert bag.file_name == "bag_0.mcap"
+    bag.close()
+    assert (bag.message_count, bag.written, [file.messages for file in bag.files]) == (2, 2, [2])

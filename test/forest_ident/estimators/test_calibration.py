@@ -9,7 +9,7 @@ from forest_description.config.parameter import MachineError
 from forest_description.machine import load_machine
 from forest_ident.driving.simulated_experiment import experiment
 from forest_ident.estimators import calibration
-from forest_ident.measurements.session import Session
+from forest_ident.measurements.session import Session, SessionError
 from forest_ident.refinement import identification
 from forest_ident.report import machine_writer
 from forest_sim.sensors.sensor_suite import CHANNELS, sensor_suite
@@ -83,3 +83,84 @@ def test_a_gain_beyond_the_range_is_named(calibrated):
     unit = calibrated.sensors.calibration.supply_pressure
     with pytest.raises(MachineError, match=r"CalibratedPressure.gain: 3 is outside 0.5 .. 2"):
         dataclasses.replace(unit, gain=3.0)
+
+
+def baths(ice, boiling, **facts):
+    """A record of 8 s of a thermocouple that lags for a second on either side of the change at 4 s."""
+    time = np.arange(1600) * 0.005
+    zigzag = np.where(np.arange(1600) % 2, 0.2, -0.2)
+    read = np.where(time < 4.0, ice, boiling) + zigzag
+    read[(time >= 3.0) & (time <= 5.0)] = 300.0
+    return Session("calibration", time, np.zeros((1600, 3)), {"tank_temperature": read}, facts)
+
+
+def test_a_thermocouple_is_put_right_by_ice_and_boiling_water():
+    (found,) = calibration.calibrate(C180, baths(274.15, 375.15, ice_until=4.0))
+    assert (found.channel, found.unit) == ("tank_temperature", "K")
+    assert (found.offset, found.gain) == pytest.approx((1.0, 1.01), rel=1e-5)
+    ice, boiling = 0.2 / np.sqrt(600), 0.2 / np.sqrt(599)  # rows before 3 s, and after 5 s
+    assert found.offset_error == pytest.approx(ice, rel=1e-4)
+    assert found.gain_error == pytest.approx(np.hypot(ice, boiling) / 100.0, rel=1e-4)
+    calibration.calibrate(C180, baths(297.15, 349.15, ice_until=4.0))  # off by 24 K
+    with pytest.raises(SessionError, match=r"reads 299.3 K in ice; allowed: 273.15 K within 25 K"):
+        calibration.calibrate(C180, baths(299.27, 373.15, ice_until=4.0))
+    with pytest.raises(SessionError, match=r"reads 347.2 K in boiling water; allowed: 373.15 K within 25 K"):
+        calibration.calibrate(C180, baths(273.15, 347.2, ice_until=4.0))
+    with pytest.raises(SessionError, match="reads nan K in boiling water"):
+        calibration.calibrate(C180, baths(273.15, 373.15, ice_until=4.0, boiling_from=7.0))
+
+
+def test_a_transducer_under_pressure_is_refused_and_one_that_shows_zero_stays_unknown():
+    def found(read):
+        readings = {"supply_pressure": np.asarray(read)}
+        return calibration.calibrate(
+            C180, Session("calibration", np.arange(400) * 0.005, np.zeros((400, 3)), readings)
+        )
+
+    with pytest.raises(SessionError, match=r"supply_pressure reads 1.25 MPa; allowed: less than 1 MPa"):
+        found(np.full(400, 1.25e6))
+    assert (found(np.full(400, 0.9e6))[0].offset, found(np.full(400, 5.0))[0].offset_error) == (0.9e6, 0.0)
+    assert np.isinf(found(np.zeros(400))[0].offset_error)
+    noise = np.random.default_rng(3).normal(0.0, 4e3, 400)
+    (offset,) = found(np.maximum(2e3 + noise, 0.0))
+    assert offset.offset == pytest.approx(2e3, abs=4.0 * offset.offset_error)
+    assert 0.8 * 4e3 / 20.0 < offset.offset_error < 2.0 * 4e3 / 20.0
+
+
+def test_a_simulated_calibration_is_of_20_s_in_each_bath_with_the_lines_open():
+    session = calibration.simulated(sensor_suite(C180, noise=False, seed=1))
+    assert (session.voltages.shape, session.time[200], session.metadata["ice_until"]) == (
+        (8000, 3),
+        1.0,
+        20.0,
+    )
+    bath = next(column for name, column in session.readings.items() if "temperature" in name)
+    assert bath[3000] == pytest.approx(273.15, abs=0.1)
+    assert bath[7000] == pytest.approx(373.15, abs=0.1)
+    assert not any(column.any() for name, column in session.readings.items() if "pressure" in name)
+
+
+def test_the_second_meters_gain_is_over_the_first_where_flow_is_steady_and_well_above_the_floor():
+    one = np.r_[np.full(20, 1e-3), np.full(20, -5e-4), np.full(20, 2e-5)]
+    two = 1.02 * one
+    two[[0, 20]], two[50] = 1.0, 5e-5  # where the flow has just changed, and at the floor
+    readings = {"swing_flow": one, "stick_flow": two}
+    session = Session("valve", np.arange(60) * 0.005, np.zeros((60, 3)), readings)
+    found = calibration.meter_gain(session, 1e-5)
+    assert (found.channel, found.unit, found.gain) == ("stick_flow", "m3/s", pytest.approx(1.02))
+    assert found.gain_error == pytest.approx(0.0, abs=1e-12)
+    assert (found.offset, found.offset_error) == (0.0, 0.0)
+    assert calibration.meter_gain(session, 1e-2) is None
+    assert calibration.meter_gain(dataclasses.replace(session, readings={"swing_flow": one}), 1e-5) is None
+
+
+def test_readings_are_put_right_but_at_the_ends_of_a_range(calibrated):
+    name = next(one for one in calibration.lines(calibrated) if "pressure" in one)
+    (gain, bias), full = calibration.lines(calibrated)[name], calibrated.sensors.pressure.full_scale
+    read = np.array([0.0, 1e6, 2e7, full])
+    session = Session("valve", np.arange(4) * 0.005, np.zeros((4, 3)), {name: read})
+    right = calibration.corrected(session, calibrated).readings[name]
+    assert right == pytest.approx([0.0, (1e6 - bias) / gain, (2e7 - bias) / gain, full])
+    again = calibration.as_read({name: right, "other": right}, calibrated)
+    assert again[name][1:3] == pytest.approx([1e6, 2e7])
+    assert again["other"] is right

@@ -408,3 +408,15 @@ def test_the_second_meters_gain_is_over_the_first_whichever_way_the_oil_goes(gai
     found = calibration.meter_gain(session("valve", {"swing_flow": one, "stick_flow": two}), 5e-5)
     assert found.gain == pytest.approx(gain, rel=1e-9)
     assert calibration.meter_gain(session("valve", {"swing_flow": one}), 5e-5) is None
+
+
+@pytest.mark.parametrize("at", [3, 8])
+def test_a_bend_at_a_change_of_the_voltage_is_made_up_for_by_a_twelfth_of_it(at):
+    """Three samples on either side tell both slopes; nearer to an end a bend stays."""
+    rows = np.arange(12.0)
+    column = 2.0 * rows + 0.6 * np.maximum(rows - at, 0.0)
+    voltage = np.where(rows < at, 1.0, 2.0)
+    found = hose_estimators.unbent(column, voltage)
+    assert found - column == pytest.approx(np.where(rows == at, 0.6 / 12.0, 0.0))
+    for near in (2, 9):
+        assert [*hose_estimators.unbent(column, np.where(rows < near, 1.0, 2.0))] == [*column]

@@ -2,13 +2,16 @@
 
 import dataclasses
 
+import numpy as np
 import pytest
 
 from forest_description.machine import load_machine
 from forest_ident.driving.simulated_experiment import experiment
 from forest_ident.measurements.parameter_path import value_of, with_values
-from forest_ident.model_choice import candidates
+from forest_ident.measurements.session import Session
+from forest_ident.model_choice import candidates, held_out_comparison
 from forest_ident.model_choice.held_out_comparison import Comparison, compare
+from forest_ident.validation.prediction_error import Signal
 
 PLAIN = load_machine("c180_hoses")
 RICH = {c.name: c.add(PLAIN) for c in candidates.CANDIDATES}
@@ -45,3 +48,20 @@ def test_a_gain_within_its_error_is_no_gain():
 def test_without_a_held_out_record_nothing_is_compared():
     with pytest.raises(ValueError, match="no held-out record"):
         compare(PLAIN, dataclasses.replace(PLAIN, name="other"), [])
+
+
+def test_a_gain_and_its_error_are_mean_and_standard_error_of_the_blocks(monkeypatch):
+    """The richer model errs half as much in every second block of 1 s."""
+    rows = np.arange(800)
+    session = Session("validation", rows * 0.005, np.zeros((800, 3)), {})
+
+    def told(machine, _session):
+        off = np.where((rows // 200) % 2, 0.5, 1.0) if machine == "richer" else np.ones(800)
+        return [Signal("boom", name, "1", np.zeros(800), off) for name in ("angle", "flow")]
+
+    monkeypatch.setattr(held_out_comparison, "signals", told)
+    monkeypatch.setattr(held_out_comparison, "BLOCK", 1.0)
+    found = compare("poorer", "richer", [session])
+    gains = [0.0, 0.75, 0.0, 0.75]
+    assert (found.gain, found.blocks) == (pytest.approx(np.mean(gains)), 4)
+    assert found.error == pytest.approx(0.75 / np.sqrt(3.0) / 2.0)

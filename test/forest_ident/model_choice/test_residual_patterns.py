@@ -38,3 +38,8 @@ def test_the_size_is_told_over_the_usual_one():
 
 def test_a_record_that_the_model_explains_names_nothing():
     assert residual_patterns.findings(fitted("nothing", "spool_lag")) == []
+
+
+def test_a_share_is_told_in_per_cent():
+    finding = residual_patterns.Finding("damping_boom", CANDIDATES[0], 0.634, 1.0)
+    assert finding.sentence().startswith("damping_boom: 63 % of what the model leaves over looks like dry ")

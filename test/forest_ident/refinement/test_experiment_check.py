@@ -8,6 +8,7 @@ import pytest
 from forest_description.geometry.linkage import cylinder_length
 from forest_description.machine import load_machine
 from forest_ident.measurements.session import Session, SessionError
+from forest_ident.refinement import experiment_check
 from forest_ident.refinement.experiment_check import demand, demand_machine
 
 C180 = load_machine("c180_hoses")
@@ -115,3 +116,20 @@ def test_a_crane_whose_boom_and_stick_have_no_resolvers_is_refused():
     ):
         demand_machine(crane, record("gravity", (1, 2)))
     demand_machine(crane, record("hose_laminar", ()))  # a rig has its own sensors
+
+
+@pytest.mark.parametrize(
+    "machine", [load_machine("c180_hoses"), load_machine("loader")], ids=lambda m: m.name
+)
+def test_a_cylinder_off_by_more_than_a_tenth_of_its_stroke_is_anothers(machine):
+    drive = machine.boom
+    angle = 0.5 * sum(drive.angles)
+    for share, refused in ((0.095, False), (-0.095, False), (0.105, True), (-0.105, True)):
+        read = np.full(500, cylinder_length(angle, drive.linkage) + share * drive.stroke)
+        readings = {"boom_resolver": np.full(500, angle), "boom_transducer": read}
+        session = Session("motion", np.arange(500) * 0.005, np.zeros((500, 3)), readings)
+        if refused:
+            with pytest.raises(SessionError, match="is it another machine's record"):
+                experiment_check._demand_lengths(machine, session, "boom")
+        else:
+            experiment_check._demand_lengths(machine, session, "boom")

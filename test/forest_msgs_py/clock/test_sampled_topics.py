@@ -76,11 +76,12 @@ def test_a_state_that_is_none_is_no_step(clock, sampled):
 def test_a_topic_is_known_from_its_first_message_until_it_is_too_old(clock, sampled):
     nothing = [math.nan] * 2
     assert [*sampled.newest(topics.SUPPLY)] == pytest.approx(nothing, nan_ok=True)
+    clock.time = 7.0
     for pressure in (1e7, 2e7):
         clock.say(topics.SUPPLY, float_array(topics.SUPPLY, 10**9, (pressure, 1e-3, 0.1)))
     clock.say(topics.VALVE_VOLTAGES, float_array(topics.VALVE_VOLTAGES, 10**9, (1.0, 2.0, 3.0)))
-    clock.time = 0.1
+    clock.time = 7.09
     assert sampled.newest(topics.SUPPLY) == (2e7, 1e-3)
-    clock.time = 0.11
+    clock.time = 7.11
     assert [*sampled.newest(topics.SUPPLY)] == pytest.approx(nothing, nan_ok=True)
     assert sampled.newest(topics.VALVE_VOLTAGES) == (1.0, 2.0, 3.0)  # each by its own timeout

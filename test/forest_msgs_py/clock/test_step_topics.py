@@ -1,10 +1,14 @@
 """Which message counts in which step in lockstep, also where an answer comes a step, or forty, later."""
 
+import math
+from types import SimpleNamespace
+
 import pytest
 
 pytest.importorskip("rclpy")
 
 import rclpy
+from rclpy.serialization import deserialize_message
 
 from forest_msgs_py.clock import step_topics
 from forest_msgs_py.clock.lockstep import LockstepClock
@@ -114,3 +118,30 @@ def test_a_node_waits_a_step_for_an_answer_and_longer_for_what_is_told_slowly(ro
     first = [next(step for step in range(1, 100) if not box.has(step * PERIOD_NS)) for box in waits.values()]
     assert first == [1, 2, LATE + 1]
     node.destroy_node()
+
+
+def test_the_newest_message_grows_older_by_each_step_without_one(box):
+    polled = box(LATE)
+    assert polled.age() == math.inf
+    say(polled, 1, 3)
+    polled.collect()
+    ages = []
+    for step in range(1 + LATE, 5 + LATE):
+        polled.turn_to(step * PERIOD_NS)
+        ages.append(polled.age() / 0.005)
+    assert ages == pytest.approx([LATE, LATE + 1, LATE, LATE + 1])
+    assert polled.count == 2
+
+
+def test_steps_without_output_that_follow_each_other_are_told_as_one_span():
+    told = []
+    node = SimpleNamespace(create_publisher=lambda *_: SimpleNamespace(publish=told.append))
+    report = step_topics.IdleReport(node)
+    for step in (1, 2, 3, 4, 6):
+        report.note(step, ["/a"] if step < 3 else ["/b", "/a"])
+    report.tell(6)
+    report.tell(7)
+    (data,) = told
+    header = deserialize_message(data, topics.message_class(topics.IDLE))
+    assert header.frame_id == "/a@1-4 /b@3-4 /b@6-6 /a@6-6"
+    assert header.stamp.nanosec == 6 * PERIOD_NS
