@@ -94,11 +94,10 @@ def test_a_node_that_is_done_ends_with_0(talker):
     assert "last words" in process.text()
 
 
-def test_a_node_that_the_middleware_does_not_let_go_ends_and_tells_where_it_was(talker):
+def test_a_node_that_the_middleware_does_not_let_go_ends_all_the_same(talker):
     process = talker("-p", "fault:=done", "-p", "hangs:=true")
     assert process.ended() == -signal.SIGALRM
-    assert "last words" in process.text()
-    assert "in destroy_node" in process.text()
+    assert process.text().endswith("last words\n")  # no threads, which an operator would read
 
 
 @pytest.mark.parametrize(
