@@ -9,7 +9,14 @@ from scipy.integrate import solve_ivp
 
 from forest_description.machine import load_machine
 from forest_sim.equations.plant_parameters import plant_parameters
-from forest_sim.hydraulics.command_history import AGED, NO_COMMANDS, SIZE, after_dead_time
+from forest_sim.hydraulics.command_history import (
+    AGED,
+    NO_COMMANDS,
+    SIZE,
+    after_dead_time,
+    held,
+    held_commands,
+)
 from forest_sim.hydraulics.spool_dynamics import CENTRED, Spool, SpoolLag, behind_play, spool_after
 from forest_sim.solver.compiled_plant import FlatPlant, compiled_record
 from forest_sim.solver.equilibrium import equilibrium
@@ -26,6 +33,11 @@ LIMITED = {
     **{f"second, {zeta}": SpoolLag(W, zeta, slew=S) for zeta in (0.3, 0.75, 1.0, 1.8)},
 }
 each_limit = pytest.mark.parametrize("lag", LIMITED.values(), ids=LIMITED)
+
+
+def test_held_voltages_act_from_the_beginning_of_a_step_and_none_is_a_voltage_of_zero():
+    assert held((1.0, -2.0, 3.0)) == ((1.0, 0.0, 1.0), (-2.0, 0.0, -2.0), (3.0, 0.0, 3.0))
+    assert held_commands((0.0, 0.0, 0.0)) == NO_COMMANDS
 
 
 def test_the_loop_is_as_wide_as_the_play_at_every_height():

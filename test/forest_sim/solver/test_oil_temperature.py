@@ -11,7 +11,9 @@ from forest_sim.equations.plant_parameters import plant_parameters
 from forest_sim.solver.compiled_plant import compiled_advance
 from forest_sim.solver.equilibrium import equilibrium
 from forest_sim.solver.oil_temperature import (
+    LOSS_SAMPLES,
     UPDATE_PERIOD,
+    WarmingOil,
     dissipated_power,
     parameters_at,
     temperature_after,
@@ -122,3 +124,20 @@ def test_the_plant_goes_on_without_a_jump_when_its_oil_is_a_little_warmer():
     same, other = (advance(simulation, (10.0, 0.0, 0.0), 1e-3, 1, q).plant for q in (p, warm))
     assert other.swing.rate == pytest.approx(same.swing.rate, rel=1e-4)
     assert other.swing.pressure_1 == pytest.approx(same.swing.pressure_1, rel=1e-3)
+
+
+def test_oil_that_runs_period_by_period_is_asked_evenly_and_warms_by_the_mean_of_its_losses():
+    p = plant_parameters(MACHINE)
+    rests, oil = equilibrium((0.0, 0.5, -1.5), p), WarmingOil(OIL, UPDATE_PERIOD / 40)
+    asked = []
+    warmed = [
+        period
+        for period in range(1, 81)
+        if oil.has_warmed(lambda period=period: asked.append(period) or rests, p)
+    ]
+    assert asked == list(range(4, 81, 40 // LOSS_SAMPLES))
+    assert warmed == [40, 80]
+    heat = dissipated_power(power_flows(rests, p))
+    assert oil.temperature == pytest.approx(
+        temperature_after(OIL.reference_temperature, heat, OIL, 2.0 * UPDATE_PERIOD), rel=1e-9
+    )

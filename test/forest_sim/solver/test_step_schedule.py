@@ -25,6 +25,13 @@ def test_steps_fill_every_row_and_are_never_longer_than_the_longest(period):
     }
 
 
+def test_a_schedule_stays_and_a_step_becomes_the_one_of_even_steps():
+    given = step_schedule.even(0.1, 3, 4)
+    assert step_schedule.schedule_of(given, 9, 9) is given
+    steps, counts = step_schedule.schedule_of(0.001, 3, 6)
+    assert (steps.tolist(), counts.tolist()) == ([0.001] * 3, [2.0] * 3)
+
+
 def test_steps_are_short_from_a_jump_on_and_for_as_long_as_hoses_ring():
     jumped = np.zeros(30, dtype=bool)
     jumped[10] = True
