@@ -6,6 +6,7 @@ import shutil
 import subprocess
 import sys
 import threading
+from types import SimpleNamespace
 from typing import NamedTuple
 
 import numpy as np
@@ -13,7 +14,7 @@ import pytest
 
 pytest.importorskip("llvmlite")
 
-from forest_compile import kernel_files, machine_code
+from forest_compile import kernel_cache, kernel_files, machine_code
 from forest_compile.entry import Entry
 from forest_compile.kernel_cache import CachedKernel
 
@@ -81,6 +82,17 @@ def test_a_kernel_is_there_for_the_next_process(form, cache):
     assert one.file.parent == cache
     assert [cache.stat().st_mode & 0o777, one.file.stat().st_mode & 0o777] == [0o700, 0o600]
     assert result(cached().ready()) == law(Point(0.7, -0.4))
+
+
+def test_who_makes_kernels_is_told_where_they_are_or_that_nodes_will_run_interpreted(capsys, monkeypatch):
+    one = cached()
+    assert kernel_cache.make(one) == 0
+    assert capsys.readouterr().out == f"{one.file}\n"
+    assert kernel_cache.make(SimpleNamespace(kernel=lambda: None, file=None), one) == 1
+    assert not capsys.readouterr().out
+    monkeypatch.setattr(kernel_cache, "can_compile", lambda: False)
+    assert kernel_cache.make(one) == 1
+    assert capsys.readouterr().out == "llvmlite is not installed\n"
 
 
 def test_two_who_want_a_kernel_at_once_make_it_once(monkeypatch):

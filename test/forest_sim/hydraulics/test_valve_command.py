@@ -40,6 +40,13 @@ def test_held_voltages_act_from_the_beginning_of_a_step_and_none_is_a_voltage_of
     assert held_commands((0.0, 0.0, 0.0)) == NO_COMMANDS
 
 
+def test_voltages_that_stay_are_no_change():
+    given, dead_times = (1.0, 2.0, 3.0), (0.01, 0.01, 0.01)
+    once = after_dead_time(NO_COMMANDS, given, 1e-3, dead_times).history
+    again = after_dead_time(once, given, 1e-3, dead_times).history
+    assert (again.swing, again.boom, again.stick) == (once.swing, once.boom, once.stick)
+
+
 def test_the_loop_is_as_wide_as_the_play_at_every_height():
     lag, spool, path = AT_ONCE._replace(play=B), CENTRED, []
     sweep = 8.0 * np.sin(np.linspace(0.0, 4.0 * np.pi, 20001))
