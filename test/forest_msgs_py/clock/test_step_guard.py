@@ -46,6 +46,12 @@ def test_who_has_got_nothing_waits_for_all_others_and_longer_the_more_it_reads()
     assert extra_time(early, [early, early], STEP, leads=False) == 7.0
 
 
+def test_what_has_come_meanwhile_counts():
+    waited, came = heard("/waited", ("controller",)), []
+    waited.collect, waited.has = lambda: came.append("it"), lambda _stamp: bool(came)
+    assert extra_time(waited, [waited], STEP, leads=False) == 1.0
+
+
 def test_all_that_is_missing_is_named_with_those_who_owe_it_each_once():
     a, b, c = heard("/a", ("x", "y")), heard("/b", ("y",), STEP - 1), heard("/c", ("z",), STEP)
     text = str(timeout_failure(a, [a, b, c], STEP, 0.25))
