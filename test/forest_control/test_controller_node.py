@@ -92,6 +92,16 @@ class Rig:
             volts(m) == (0.0, 0.0, 0.0) for m in self.commands[-count:]
         )
 
+    def stands_until_centred(self, other):
+        """Another speaks, and leaves: the crane stands until the levers were centred."""
+        heard = len(self.commands)
+        self.peer.until(lambda: len(self.commands) > heard + 100)
+        assert self.standing(100)
+        other.cancel()
+        self.peer.until(lambda: len(self.commands) > heard + 300)
+        assert self.standing(300)
+        self.push()
+
 
 @pytest.fixture
 def rig(peer, start_node):
@@ -289,13 +299,8 @@ def test_a_second_joystick_whose_deadman_is_held_too_stops_the_crane_and_is_name
     assert peer.reaction(r.standing, r.process) < 0.35 + MARGIN
     named = "joy: more than one node publishes it; allowed: one joystick"
     peer.until(lambda: any(s.message == named for m in said for s in m.status))
-    r.joy, heard = joy, len(r.commands)
-    peer.until(lambda: len(r.commands) > heard + 100)
-    assert r.standing(100)
-    other.cancel()
-    peer.until(lambda: len(r.commands) > heard + 300)
-    assert r.standing(300)  # the levers were not centred since
-    r.push()
+    r.joy = joy
+    r.stands_until_centred(other)
 
 
 def test_a_second_machine_stops_the_crane_and_is_named_though_it_says_the_same(rig, peer):
@@ -304,13 +309,7 @@ def test_a_second_machine_stops_the_crane_and_is_named_though_it_says_the_same(r
     assert peer.reaction(r.standing, r.process) < 0.1 + MARGIN
     named = "joint state: more than one node publishes it; allowed: one machine"
     peer.until(lambda: any(s.message == named for m in said for s in m.status))
-    heard = len(r.commands)
-    peer.until(lambda: len(r.commands) > heard + 100)
-    assert r.standing(100)
-    other.cancel()
-    peer.until(lambda: len(r.commands) > heard + 300)
-    assert r.standing(300)  # the levers were not centred since
-    r.push()
+    r.stands_until_centred(other)
 
 
 def test_a_trouble_comes_as_a_diagnostic(rig, peer):

@@ -165,9 +165,8 @@ def survivors(source: Path, mutants: list[Mutant], tests: Tests, log: Path) -> l
     if package not in COMPILED:
         sys.modules["llvmlite"] = None  # type: ignore[assignment]
     if package == COMPILED[0]:
-        os.environ["XDG_CACHE_HOME"] = str(
-            log.parent / "cache"
-        )  # no machine code of mutants for anybody else
+        # No machine code of mutants for anybody else.
+        os.environ["XDG_CACHE_HOME"] = str(log.parent / "cache")
     limits, quickest = baseline(tests, package, log)
     if name in sys.modules:
         sys.exit(f"mutate: error: {name} is imported already, so that no mutant of it would be.")

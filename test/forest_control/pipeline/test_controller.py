@@ -162,12 +162,15 @@ def test_the_velocity_reference_is_what_the_levers_ask_times_the_scaling_factor(
 @pytest.mark.parametrize("most", [0.02, 0.8], ids=["held back", "free"])
 def test_a_ramp_that_begins_where_limits_left_it_is_told_as_a_share_of_what_the_levers_ask(most):
     p = parameters(Scheme.COORDINATED, joint_rates=(most, most, most))
-    levers_at = lambda t: Levers(0.0, 0.0, 0.4) if 0.5 < t < 1.5 else Levers(0.1, 0.0, 0.0)  # noqa: E731
     shares = []
+
+    def levers_at(t):
+        return Levers(0.0, 0.0, 0.4) if 0.5 < t < 1.5 else Levers(0.1, 0.0, 0.0)
+
     for number, (_, output, _) in enumerate(drive(p, levers_at, 2.0)):
         went = np.linalg.norm(output.tip_velocity_reference)
         shares.append(output.scaling.factor)
-        if number * PERIOD > 0.9 and number * PERIOD < 1.5:
+        if 0.9 < number * PERIOD < 1.5:
             assert shares[-1] == pytest.approx(went / 0.2, abs=1e-3)
     assert (min(shares) < 0.5) == (most < 0.1)
     assert shares[-1] == 1.0

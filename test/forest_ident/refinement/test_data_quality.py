@@ -57,8 +57,8 @@ def test_one_record_of_four_may_be_a_stranger():
 
 @pytest.mark.parametrize("error", [ZeroDivisionError, IndexError, ValueError, np.linalg.LinAlgError])
 def test_what_cannot_be_evaluated_names_the_record(error):
-    with pytest.raises(SessionError, match="damping_boom: the record cannot be evaluated"):  # noqa: SIM117
-        with data_quality.evaluated(SESSION):
-            raise error("any")
+    told = "damping_boom: the record cannot be evaluated"
+    with pytest.raises(SessionError, match=told), data_quality.evaluated(SESSION):
+        raise error("any")
     with pytest.raises(SessionError, match=r"^own words$"), data_quality.evaluated(SESSION):
         raise SessionError("own words")
