@@ -46,12 +46,13 @@ def rates_of(command, angles):
     return actuator_speeds_to_joint_rates(angles, speeds, MACHINE.linkages)
 
 
-def drive(p, levers_at, seconds, angles=MIDDLE, bandwidth=math.inf):
+def drive(p, levers_at, seconds, angles=MIDDLE, bandwidth=math.inf, held_at=lambda _: True):
     """Play levers on a machine whose joints follow ideal valves with a bandwidth [rad/s]; yield each step."""
     state, rates, step = REST, ZERO, compiled.controller_step()
     weight = 1.0 - math.exp(-bandwidth * PERIOD)
     for k in range(round(seconds / PERIOD)):
-        state, told = step(state, inputs(levers_at(k * PERIOD), angles, rates), p, PERIOD)
+        heard = inputs(levers_at(k * PERIOD), angles, rates, held_at(k * PERIOD))
+        state, told = step(state, heard, p, PERIOD)
         wanted = rates_of(told.output.command, angles)
         rates = tuple(v + weight * (u - v) for v, u in zip(rates, wanted, strict=True))
         angles = tuple(q + PERIOD * v for q, v in zip(angles, rates, strict=True))
@@ -174,6 +175,14 @@ def test_a_ramp_that_begins_where_limits_left_it_is_told_as_a_share_of_what_the_
             assert shares[-1] == pytest.approx(went / 0.2, abs=1e-3)
     assert (min(shares) < 0.5) == (most < 0.1)
     assert shares[-1] == 1.0
+
+
+def test_a_motion_that_is_resumed_from_its_stop_is_no_less_than_its_levers_ask():
+    levers, held = Levers(0.0, 0.0, 0.4), lambda time: not 0.8 < time < 0.9
+    steps = drive(parameters(Scheme.COORDINATED), lambda _: levers, 1.5, held_at=held)
+    told = [output.scaling.factor for _, output, _ in steps]
+    assert min(told[:160]) == 1.0  # until it is let go
+    assert min(told[-119:]) == 1.0  # from where it is held again
 
 
 @every_tip_scheme

@@ -170,7 +170,7 @@ def draw_tip_error(bag: Bag, wish: Floats | None = None) -> Figure:
     title = f"True tip minus governed reference: {_size(norm)}"
     if wish is not None:
         late = 1e3 * np.linalg.norm(moved - wish, axis=1)
-        title += f"; minus the levers' wish: {_size(late)}"
+        title += f"\nminus the levers' wish: {_size(late)}"
     figure, (by_axis, whole) = new_figure(2, 1, 6.0, title)
     for place, name in enumerate("xyz"):
         by_axis.plot(time, error[:, place], label=name)

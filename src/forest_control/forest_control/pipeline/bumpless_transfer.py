@@ -32,7 +32,8 @@ def begun(state: State, s: Vec3) -> State:
 
 def resumed(state: State) -> State:
     """Return the state of a machine that was stopping, and shall not."""
-    return state._replace(enabled=True, mode=NO_MODE, changed=True, stop=NO_STOP, sway=NO_SWAY)
+    wish = state.memory.velocity
+    return state._replace(enabled=True, mode=NO_MODE, changed=True, stop=NO_STOP, sway=NO_SWAY, wish=wish)
 
 
 def clutched(state: State, s: Vec3, p: Parameters) -> State:

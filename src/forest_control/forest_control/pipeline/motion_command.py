@@ -48,8 +48,6 @@ def lever_command(state: State, inputs: Inputs, p: Parameters, dt: float) -> tup
         state = resumed(state)
     elif not state.enabled:
         state = begun(state, inputs.angles)
-    if not state.enabled:
-        state = state._replace(wish=state.memory.velocity)
     if state.scheme != NO_SCHEME and state.scheme != p.scheme:
         state = taken_over(state, inputs, p)
     state = clutched(state, inputs.angles, p)
