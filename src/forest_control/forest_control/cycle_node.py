@@ -3,7 +3,7 @@
 It steps when the controller says where the tip is. Whether a command moves the crane, the controller decides:
 a person holds the deadman on /joy. Services: `~/record`, `~/pose`, `~/close`, `~/open`, `~/stop`, `~/play`,
 `~/pause`, `~/resume` (std_srvs/Trigger), about the cycle that the parameter `cycle` names. A program's
-`joint_trajectory` is played likewise.
+`joint_trajectory` is played likewise; so is a goal of `~/follow_joint_trajectory`, where control_msgs is.
 """
 
 import sys
@@ -18,8 +18,9 @@ from forest_control.config.controller_settings import Parameters, Settings, para
 from forest_control.config.cycle_parameters import CycleParameters, TaughtNames
 from forest_control.config.workspace_file import load_workspace
 from forest_control.operator.taught_command import NO_COMMAND, to_values
-from forest_control.taught.cycle_topics import CycleInputs, Report, trajectory_of
+from forest_control.taught.cycle_topics import CycleInputs, Report
 from forest_control.taught.taught_work import TaughtWork
+from forest_control.taught.trajectory_goals import TrajectoryGoals
 from forest_description.machine import load_machine
 from forest_msgs_py.clock.node_clock import LiveClock, number_publisher
 from forest_msgs_py.interfaces import topics
@@ -27,7 +28,7 @@ from forest_msgs_py.interfaces.topics import message_class
 from forest_msgs_py.runtime.node import run_node, subscription
 from forest_msgs_py.runtime.node_parameters import Tunables, declare
 from forest_msgs_py.runtime.parameter_table import MachineParameter, table_of
-from forest_msgs_py.runtime.services import offer_triggers
+from forest_msgs_py.runtime.services import offer_action, offer_triggers
 from forest_msgs_py.safety.diagnostics import Diagnostics
 from forest_msgs_py.serialization.unpacking import read_position
 
@@ -52,14 +53,15 @@ class CycleNode(Node):
         self._command = number_publisher(clock, topics.TAUGHT_COMMAND)
         self._status = number_publisher(clock, topics.CYCLE_STATUS)
         self._events = clock.publisher(topics.EVENTS)
-        said = clock.publisher(topics.DIAGNOSTICS)
-        self._diagnostics = Diagnostics(self, (PART,), "the tip is held", said)
+        self._diagnostics = Diagnostics(self, (PART,), "the tip is held", clock.publisher(topics.DIAGNOSTICS))
         self._report = Report(self._work)
         self._diagnostics.watch(PART, self._report)
         self._inputs = CycleInputs(clock, p.centre, p.button)
         self._last = clock.now()
         clock.on(topics.TIP_POSE, self._on_tip)
-        subscription(self, topics.JOINT_TRAJECTORY, self._on_trajectory)
+        self._goals = TrajectoryGoals(self._work, self.get_logger(), self._event)
+        subscription(self, topics.JOINT_TRAJECTORY, self._goals.hear)
+        offer_action(self, "control_msgs", "FollowJointTrajectory", "follow_joint_trajectory", self._goals)
         clock.every(STATUS_PERIOD, self._tell)
 
     def _name(self, values: dict[str, Any]) -> None:
@@ -87,21 +89,17 @@ class CycleNode(Node):
         output = self._work.advance(self._inputs.seen(tip, stamp), dt)
         if output.command is not None:
             self._command.publish(stamp, to_values(self._work.run, output.command))
+        self._goals.watch(tip)
         if output.event:
-            self._events.publish(message_class(topics.EVENTS)(data=output.event))
+            self._event(output.event)
 
-    def _on_trajectory(self, message: Any) -> None:
-        """Play what a program sends, or say on /events why not."""
-        done, said = self._work.follow(*trajectory_of(message))
-        if done:
-            self.get_logger().info(said)
-            return
-        self.get_logger().warning(said)
+    def _event(self, said: str) -> None:
         self._events.publish(message_class(topics.EVENTS)(data=said))
 
     def _tell(self) -> None:
         stamp = self._node_clock.stamp()
         self._status.publish(stamp, self._work.status())
+        self._goals.tell(stamp)
         if self._report.has_changed():
             self._diagnostics.news()
         self._diagnostics.publish(stamp)

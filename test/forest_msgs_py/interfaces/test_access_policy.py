@@ -45,3 +45,9 @@ def test_every_node_may_do_what_the_table_tells_and_no_more():
 def test_nobody_may_ask_for_a_service():
     assert not any(allowed("request", "service").values())
     assert allowed("reply", "service")["valve_driver"] == {"~/*"}
+
+
+def test_taught_work_alone_has_an_action_and_nobody_may_ask_for_it():
+    having = {node: names for node, names in allowed("execute", "action").items() if names}
+    assert having == {"cycle": {"~/follow_joint_trajectory"}}
+    assert not any(allowed("call", "action").values())

@@ -13,9 +13,9 @@ limits, scheme, stop. `safety.taught_watch` says when a command counts.
 reference is beside the path, goes along it, and back to it. A limit that slows the tip slows it along the
 path. Delays do not count either: a place that is said late is still a place of the path.
 
-**Why services and no action.** An action needs interfaces of its own (control_msgs, or a package with a
-.action file), which the ROS wheels do not have. Trigger services, the parameter `cycle` and the topic
-`cycle/status` do without.
+**Why services and no action.** An action needs interfaces of its own, which the ROS wheels do not have.
+Trigger services, the parameter `cycle` and the topic `cycle/status` do without. Only for a program's joint
+trajectory there is a standard one; it is offered where its package, control_msgs, is installed.
 
 **The grapple.** The player does not move it. A step of the grapple is published on /events, and waits for a
 person's confirmation, or for a time. In the simulator a person grasps and drops logs by its services.
@@ -32,6 +32,7 @@ In the order in which data passes:
 - `editing`: Segments of a cycle are changed, moved and deleted.
 - `taught_status`: Where the player is, and what a person is waited for.
 - `taught_work`: What a person does with all that: teach, play, pause, resume.
+- `trajectory_goals`: A program's trajectories: heard on the topic, or goals of the action.
 - `twist_follower`: Beside the player: a program's tip velocity, under the same deadman.
 
 May import: `pipeline` and the rooms below it.

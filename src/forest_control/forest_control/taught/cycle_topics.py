@@ -3,7 +3,6 @@
 from typing import Any
 
 from forest_control.operator.levers import RIGHT_Y
-from forest_control.taught.joint_trajectory import TrajectoryRow
 from forest_control.taught.taught_work import Seen, TaughtWork
 from forest_description.types import Vec3
 from forest_msgs_py.interfaces import topics
@@ -53,19 +52,6 @@ class CycleInputs:
             reading = self._reader.read(arrival.message, 0)
             self._armed, self._sent = not reading.problem and reading.values == (1.0,), arrival.time
         return self._armed and self._clock.now() - self._sent <= STATUS_TIMEOUT
-
-
-def trajectory_of(message: Any) -> tuple[list[str], list[TrajectoryRow]]:
-    """Return the joints' names and the points of a trajectory_msgs/JointTrajectory."""
-    rows = [
-        TrajectoryRow(
-            point.time_from_start.sec + point.time_from_start.nanosec / NS_PER_S,
-            list(point.positions),
-            list(point.velocities),
-        )
-        for point in message.points
-    ]
-    return list(message.joint_names), rows
 
 
 class Report:

@@ -16,7 +16,7 @@ from forest_control.taught import player
 from forest_control.taught.cycle import CONFIRMATION, Cycle, Grapple, Pose, Segment
 from forest_control.taught.cycle_file import SPEED, checked_name, load_cycle, names, save_cycle
 from forest_control.taught.joint_trajectory import NAME, TrajectoryRow, trajectory_leg, trajectory_points
-from forest_control.taught.plan import Step, planned
+from forest_control.taught.plan import Leg, Step, planned
 from forest_control.taught.player import Inputs, Output, Phase, State
 from forest_control.taught.taught_status import Status, segment_of, status_of, waiting
 from forest_control.taught.teaching import Teaching
@@ -55,6 +55,7 @@ class TaughtWork:
         self.p = p
         self._folder = folder
         self._state, self._teaching = State(), Teaching()
+        self.begun = 0  # plays, of cycles and trajectories
         self._recording = self._go = self._pause = self._end = False
         self._tip: Vec3 | None = None
         self._name = ""  # of the cycle that is played or recorded
@@ -81,6 +82,18 @@ class TaughtWork:
     def run(self) -> float:
         """Number of the run that is under way, or was the last."""
         return self._state.run
+
+    @property
+    def beside(self) -> Vec3 | None:
+        """The place of the path beside the tip [m]; None: no path is played."""
+        place = self._state.place
+        return place and place.leg.path.at(place.way)
+
+    @property
+    def end(self) -> Vec3:
+        """Where the last leg ends [m]."""
+        legs = [step for step in self._state.steps if isinstance(step, Leg)]
+        return legs[-1].path.at(legs[-1].path.length)
 
     def record(self) -> str:
         """Begin to teach a path: from here on, where the tip is driven."""
@@ -128,18 +141,19 @@ class TaughtWork:
     def _begin(self, name: str, steps: tuple[Step, ...]) -> str:
         """Begin to play steps, and return the event."""
         run, self._name = self._state.run, name
+        self.begun += 1
         self._state, event = player.started(steps)
         self._state = self._state._replace(run=run)
         return event
 
     def follow(self, names: Sequence[str], rows: Sequence[TrajectoryRow]) -> tuple[bool, str]:
-        """Play a program's joint trajectory once the deadman is held; one without points ends what is played.
+        """Play a program's joint trajectory once the deadman is held.
 
         Args:
             names: of the joints, in the order of the rows' values.
             rows: points.
         """
-        return _answering(partial(self._follow, names, rows) if rows else self.stop)()
+        return _answering(partial(self._follow, names, rows))()
 
     def _follow(self, names: Sequence[str], rows: Sequence[TrajectoryRow]) -> str:
         points = trajectory_points(names, rows)
@@ -149,6 +163,13 @@ class TaughtWork:
         self._begin(NAME, (leg,))
         times = f"{points[-1].time:.1f} s asked for, {leg.duration:.1f} s at the least"
         return self._say(f"{NAME}: {leg.path.length:.2f} m, {times}")
+
+    def outcome(self, begun: int) -> tuple[bool, str] | None:
+        """Return success and a sentence of one of the plays that were begun; None: it is not over."""
+        if self.begun != begun:
+            return False, "another was begun"
+        ends = {Phase.FINISHED: (True, "finished"), Phase.IDLE: (False, "ended")}
+        return ends.get(self._state.phase)
 
     def pause(self) -> str:
         """Pause; the tip stops and is held."""

@@ -16,6 +16,7 @@ NODES = (
     *("cycle", "twist", "monitor", "viewer"),
 )
 PARAMETER_EVENTS = "parameter_events"  # of every node of rclpy
+ACTIONS = ("~/follow_joint_trajectory",)  # of the node for taught work, where control_msgs is installed
 STOPS = "emergency_stop", "reset_emergency_stop"  # services without a node's name: the controller's
 
 
@@ -45,6 +46,7 @@ def policy() -> str:
         _expressions(profile, "topic", "publish", [*spoken(node), PARAMETER_EVENTS])
         _expressions(profile, "topic", "subscribe", heard(node))
         _expressions(profile, "service", "reply", ["~/*", *(STOPS if node == "controller" else ())])
+        _expressions(profile, "action", "execute", ACTIONS if node == "cycle" else ())
     ElementTree.indent(root)
     return ElementTree.tostring(root, encoding="unicode", xml_declaration=True) + "\n"
 
