@@ -34,7 +34,7 @@ def _parser() -> argparse.ArgumentParser:
         "-o", "--output", type=Path, required=True, metavar="DIR", help="directory to be made"
     )
     frames.add_argument(
-        "--machine", default="", help="shipped machine or a file (default: as in the bag's URDF)"
+        "--machine", default="", help="shipped machine or a file (default: the bag's own)"
     )
     text = "print the paths of the layouts and of the other tools' files"
     subcommand(verbs, "layouts", text, _layouts)

@@ -145,6 +145,16 @@ def test_a_recorded_crane_has_its_own_scene_and_its_cylinders_lie_as_its_machine
     np.testing.assert_allclose([row[name] for name in expected], list(expected.values()))
 
 
+def test_a_machine_whose_file_is_in_the_bag_has_its_cylinders(make_bag, tmp_path, opened):
+    text = "name: long\nbased_on: c180\nmanipulator: {boom_length: {value: 4.0, unit: m, source: drawn}}\n"
+    (tmp_path / "long.yaml").write_text(text)
+    urdf = robot_description(load_machine(tmp_path / "long.yaml"))
+    content = {topics.ROBOT_DESCRIPTION: [(START, String(data=urdf))], topics.JOINT_STATES: joint_states()}
+    bag = opened(make_bag(content, files=[("machine/long.yaml", text)]))
+    assert bag.crane.machine.manipulator.boom_length == 4.0
+    assert set(bag.crane.signals) <= set(bag.units)
+
+
 @pytest.mark.parametrize("urdf", ["", "no xml", "<robot/>", "<a>" * 10_000, "x" * (LARGEST_URDF + 1)])
 def test_a_robot_description_of_garbage_leaves_the_stations_crane(make_bag, urdf, opened):
     content = {topics.ROBOT_DESCRIPTION: [(START, String(data=urdf))], topics.JOINT_STATES: joint_states()}

@@ -4,12 +4,17 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from bag_fixtures import make_bag
 from rosbags.highlevel import AnyReader
 from rosbags.typesys import Stores, get_typestore
 
 from forest_description.geometry.kinematics import tip_position
 from forest_description.machine import load_machine
+from forest_description.urdf.robot_description import robot_description
+from forest_msgs_py.interfaces import topics
 from forest_viewers import cli
+
+__all__ = ["make_bag"]
 
 BAG = Path(__file__).resolve().parents[3] / "bags" / "coordinated"
 
@@ -58,6 +63,23 @@ def test_a_bag_with_frames_gets_no_second_ones(shown, tmp_path, capsys):
     assert cli.main(["frames", str(shown), "-o", str(tmp_path / "again")]) == 1
     assert "has /tf" in capsys.readouterr().err
     assert not (tmp_path / "again").exists()
+
+
+def test_a_bag_that_holds_its_machine_needs_no_name_of_it(make_bag, tmp_path):
+    pytest.importorskip("rclpy")
+    from sensor_msgs.msg import JointState
+    from std_msgs.msg import String
+
+    text = (
+        "name: long\nbased_on: c180_hoses\nmanipulator: {boom_length: {value: 4.0, unit: m, source: drawn}}\n"
+    )
+    (tmp_path / "long.yaml").write_text(text)
+    urdf = String(data=robot_description(load_machine(tmp_path / "long.yaml")))
+    state = JointState(name=["swing", "boom", "stick"], position=[0.1, 0.5, -1.0])
+    content = {topics.ROBOT_DESCRIPTION: [(1, urdf)], topics.JOINT_STATES: [(2, state)]}
+    bag, output = make_bag(content, files=[("machine/long.yaml", text)]), tmp_path / "shown"
+    assert cli.main(["frames", str(bag), "-o", str(output)]) == 0
+    assert len(messages(output, "/tf")) == 1
 
 
 def test_the_layouts_are_found(capsys):

@@ -66,7 +66,7 @@ class ReplayBag:
                 int
             ] = []  # columns of swing, boom and stick, where the passive joints are computed
             self._find_signals()
-            self.crane = recorded_crane(self._urdf(), own)
+            self.crane = recorded_crane(self.reader, self._urdf(), own)
             self._add_crane()
         except BaseException:
             self.close()

@@ -1,7 +1,7 @@
 """The crane of a bag: what it looks like, and where its passive joints are.
 
 A recorded robot description tells what the crane looks like. Cylinders it tells only about, so their
-joints are computed where the description is that of a machine known here.
+joints are computed where the description is that of a machine whose file is in the bag, or is shipped.
 """
 
 from collections.abc import Sequence
@@ -10,6 +10,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from forest_bag.read.bag_reader import BagReader
+from forest_bag.read.recorded_machine import recorded_machine
 from forest_description.config.source_tree import shipped_machines
 from forest_description.machine import Machine, load_machine
 from forest_description.types import AXES
@@ -42,17 +44,18 @@ class RecordedCrane(NamedTuple):
         return np.array([list(row.values()) for row in found]).reshape(len(rows), len(self.signals))
 
 
-def recorded_crane(urdf: str, own: Machine) -> RecordedCrane:
+def recorded_crane(bag: BagReader, urdf: str, own: Machine) -> RecordedCrane:
     """Return the crane of a bag.
 
     Args:
+        bag: that may hold the machine's file.
         urdf: robot description from the bag; "" where there is none.
         own: machine of the station.
     """
     if not urdf or urdf == robot_description(own):
         return RecordedCrane(own)
-    for machine in map(load_machine, shipped_machines()):
-        if robot_description(machine) == urdf:
+    for machine in (recorded_machine([bag], urdf), *map(load_machine, shipped_machines())):
+        if machine and robot_description(machine) == urdf:
             return RecordedCrane(machine, scene_of(machine))
     try:
         return RecordedCrane(scene=scene_from_urdf(urdf))

@@ -11,6 +11,7 @@ from pathlib import Path
 
 from forest_bag.convert.rewrite import offer, prepare
 from forest_bag.read.merged_bags import MergedBags
+from forest_bag.read.recorded_machine import recorded_machine
 from forest_bag.storage.bag_files import BagError
 from forest_bag.storage.raw_messages import RawMessage
 from forest_bag.write.bag_writer import BagWriter
@@ -36,7 +37,7 @@ def with_frames(bag: Path, output: Path, machine: str = "") -> int:
     Args:
         bag: Directory or file.
         output: Directory to be made.
-        machine: Shipped machine or file; "": the one that the bag's URDF is named after.
+        machine: Shipped machine or file; "": the one of the bag's URDF, whose file it holds or names.
 
     Raises:
         BagError: it is no bag, has no URDF, or has frames.
@@ -48,7 +49,7 @@ def with_frames(bag: Path, output: Path, machine: str = "") -> int:
         if present := [topic.name for topic in ADDED if _name(topic) in source.channels]:
             raise BagError(f"{bag} has {present[0]}; allowed: a bag without")
         urdf = _urdf(source)
-        crane = _Crane(urdf, _machine(urdf, machine))
+        crane = _Crane(urdf, _machine(source, urdf, machine))
         writer = BagWriter(output)
         try:
             with closing(writer):
@@ -107,7 +108,9 @@ def _urdf(source: MergedBags) -> str:
     raise BagError(f"{source.path} has no {DESCRIPTION}; allowed: a bag that tells the crane's URDF")
 
 
-def _machine(urdf: str, given: str) -> Machine:
+def _machine(source: MergedBags, urdf: str, given: str) -> Machine:
+    if not given and (recorded := recorded_machine(source.readers, urdf)):
+        return recorded
     name = given or urdf.partition('<robot name="')[2].partition('"')[0]
     try:
         return load_machine(name)
