@@ -90,13 +90,15 @@ def main() -> None:
     parser.add_argument("machines", nargs="*", default=shipped_machines())
     parser.add_argument("--seconds", type=float, default=600.0)
     options = parser.parse_args()
-    print("| machine | input | engine, MJ | unaccounted, % | failed stages |\n|---|---|---|---|---|")
+    print(
+        "| machine | input | engine, MJ | stopped, % | unaccounted, % | failed stages |\n" + "|---" * 6 + "|"
+    )
     for name in options.machines:
         for shape in INPUTS:
             total, failed = run(name, shape, options.seconds)
-            share = 100.0 * unaccounted(total) / total.engine
-            cells = (Path(name).stem, shape.__name__, f"{1e-6 * total.engine:.1f}", f"{share:.3f}", failed)
-            print("| " + " | ".join(map(str, cells)) + " |", flush=True)
+            stopped, left = (100.0 * float(e / total.engine) for e in (total.stopped, unaccounted(total)))
+            cells = (f"{1e-6 * total.engine:.1f}", f"{stopped:.2f}", f"{left:.3f}", failed)
+            print("| " + " | ".join(map(str, (Path(name).stem, shape.__name__, *cells))) + " |", flush=True)
 
 
 if __name__ == "__main__":

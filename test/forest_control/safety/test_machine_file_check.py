@@ -148,9 +148,8 @@ def trembling(loop, way, frequency, periods=600):
     return loop.controller.guard.causes["machine"]
 
 
-@pytest.mark.parametrize("seed", [0, 9, 13, 14, 15, 27, 35])
-def test_a_loader_that_swings_a_log_about_is_neither_another_nor_overloaded(seed):
-    """Its pump builds up its pressure while the log presses the boom back, and its swing overshoots."""
+def named_while_swinging_a_log(seed):
+    """What is said of a loader whose levers throw a log of 480 kg about for 7 s."""
     machine, rng = load_machine("loader"), np.random.default_rng(seed)
     plant = loaded(plant_parameters(machine), machine.manipulator, Load(480.0))
     loop, velocity = loop_of(machine, machine, plant, seed=seed), ZERO
@@ -158,7 +157,19 @@ def test_a_loader_that_swings_a_log_about_is_neither_another_nor_overloaded(seed
         if k >= BEGUN and k % 40 == 0 and rng.random() < 0.5:
             velocity = tuple((0.5 * rng.uniform(-1.0, 1.0, 3) * rng.integers(0, 2, 3)).tolist())
         loop.period(Operator(levers_for_tip_velocity(velocity, 0.5)))
-        assert loop.controller.guard.causes["machine"] == "", k
+        if why := loop.controller.guard.causes["machine"]:
+            return why
+    return ""
+
+
+def test_a_loader_that_swings_a_log_about_is_named_in_a_quarter_of_sessions_and_only_as_it_goes_back():
+    """Its pump builds up its pressure while the log presses the boom back, and its swing overshoots.
+
+    In the four, the log that swings at the head turns the column back for some 0.4 s against full pressure.
+    """
+    said = [why for seed in range(16) if (why := named_while_swinging_a_log(seed))]
+    assert len(said) <= 4
+    assert all(why.startswith("overload: swing went back though its valve is open") for why in said)
 
 
 @pytest.mark.parametrize("name", ["c180", "c180_hoses", "loader", "forwarder"])

@@ -10,7 +10,9 @@ from forest_sim.hydraulics.hydraulic_line import PortGuard, flow_rate, guard_flo
 from forest_sim.hydraulics.load_holding import UNRESTRICTED, Restriction, holding_drop, is_held
 from forest_sim.hydraulics.oil_law import density, enthalpy
 from forest_sim.hydraulics.oil_volume import OilVolume, content, hose_drop
-from forest_sim.hydraulics.port import Port
+from forest_sim.hydraulics.port import Port, port_pressure
+
+TORN = 1.0  # [Pa] above the vapour's pressure in the port
 
 
 class Side(NamedTuple):
@@ -76,3 +78,8 @@ def storage(s: Side, supply: float, guard: PortGuard) -> Storage:
         brought -= s.taken
     h = enthalpy(s.pressure, s.oil.oil)
     return Storage(inertial + h * brought - s.pressure * widened, (s.pressure - h) * brought)
+
+
+def is_torn(s: Side, supply: float) -> bool:
+    """Tell whether the oil between a side's valve and its hose is torn: the port holds vapour."""
+    return port_pressure(s.pressure, s.flow, s.port, supply) <= s.port.vapour + TORN

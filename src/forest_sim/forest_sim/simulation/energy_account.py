@@ -13,15 +13,15 @@
 | bending | lost in links that give way |
 | stops | taken by the end stops |
 | mechanical | handed to the links, less what they gave back on their way down; see `link_account` |
-| stopped | kinetic energy of oil in hoses that a valve shuts on at once: lost |
+| stopped | kinetic energy of oil in hoses that a valve shuts on, or that tears behind its edge: lost |
 | return_line | lost in filter and tank line |
 | stored | in oil, engine, motor, teeth, bristles and bent links, less what was there at the start |
 
 The recorded flows of `power_flows` close at every instant, so their integrals close whatever the
 states do: their sum tests nothing of a run. A valve that shuts at once stops oil between two
-instants; `stopped` has its I Q^2/2 from the states on either side. `with_stored_energy` computes
-`stored` from the states at both ends. What the account then leaves open, `unaccounted`, is the error
-of the integration.
+instants, and a torn column more than its law tells; `stopped` has that from the states on either
+side. `with_stored_energy` computes `stored` from the states at both ends. What the account then
+leaves open, `unaccounted`, is the error of the integration.
 """
 
 from typing import NamedTuple

@@ -48,6 +48,7 @@ NOINLINE = (
     stage_equations._equations_at_elastic,
     power_flows.power_flows,
     power_flows._axis_power,
+    power_flows._stopped_in,
     plant._axis_derivative,
     conserved_oil._contents,
     conserved_oil._settled,
@@ -104,7 +105,7 @@ def _text(simulation: Simulation, powers: power_flows.PowerFlows) -> str:
         "                taken = step_by_stages(simulation, held, h, p)",
         "                if recorded > 1:",
         "                    early, late = power_flows(taken.early, p), power_flows(taken.late, p)",
-        "                    stopped = stopped_energy(simulation.plant, taken.early.plant, p)",
+        "                    stopped = stopped_energy(simulation.plant, taken.early, taken.late, h, p)",
         f"                    e = row * {len(flows) + len(AXES)}",
         *(
             f"                    energies[e + {i}] += h * (FIRST * early{path} + SECOND * late{path})"

@@ -2,8 +2,8 @@
 
 Every entry is a power at one state [W], positive in the direction that its name says. The entries
 of a part close: what flows in equals what is lost, stored and handed on. That they do is a test of
-the laws' signs, and their integrals over a run are its energy account. What a valve destroys that
-shuts at once has no power: `stopped_energy` has it.
+the laws' signs, and their integrals over a run are its energy account. What a valve destroys at
+once has no power: `stopped_energy` has it.
 
 | part | flows in | lost | stored | handed on |
 |---|---|---|---|---|
@@ -35,19 +35,21 @@ from forest_sim.equations.plant import (
 from forest_sim.equations.plant_parameters import Axis, PlantParameters
 from forest_sim.equations.valve_ports import Ports
 from forest_sim.hydraulics.actuator import inlet_flow, outlet_flow, port_pressures
-from forest_sim.hydraulics.hydraulic_line import guard_flow
+from forest_sim.hydraulics.hydraulic_line import PortGuard, guard_flow
 from forest_sim.hydraulics.load_holding import holding_drop, is_held
 from forest_sim.hydraulics.oil_volume import filled_share, hose_drop
 from forest_sim.hydraulics.port import Port, edge_flows, is_shut, port_pressure
 from forest_sim.hydraulics.pump_drive import engine_torque
-from forest_sim.hydraulics.side import Side, storage
+from forest_sim.hydraulics.side import Side, is_torn, side_rates, storage
 from forest_sim.hydraulics.supply import flow_at, manifold_capacitance
 from forest_sim.hydraulics.tank_line import line_flow
 from forest_sim.mechanics.end_stop import cushion_resistance, end_stop_force
 from forest_sim.mechanics.friction import friction_force
+from forest_sim.mechanics.manipulator import Pair
 from forest_sim.midpoint.tank_step import tank_flow
-from forest_sim.solver.integrator import Simulation, ports_of
+from forest_sim.solver.integrator import WEIGHTS, Simulation, ports_of
 
+Sides = tuple[Side, Side]
 RIGID = (NO_BENDING, NO_BENDING, NO_BENDING)
 
 
@@ -163,22 +165,58 @@ def _supply_power(
     )
 
 
-def stopped_energy(before: PlantState, after: PlantState, p: PlantParameters) -> Vec3:
-    """Return I Q^2/2 [J] of the hoses of each axis whose flow has ended at once between two states.
+def stopped_energy(
+    before: PlantState, early: Simulation, late: Simulation, h: float, p: PlantParameters
+) -> Vec3:
+    """Return the energy [J] of oil in the hoses of each axis that a valve stops at once within a step.
 
-    A valve has shut on it. What was in the flow is lost, for no power carries it away.
+    No power carries it away. A valve that shuts on a flow stops all of it, I Q^2/2. Behind a torn
+    column it stops more than dQ/dt tells: I Q dQ/dt lacks it.
+
+    Args:
+        before: the plant at the step's beginning.
+        early: the machine at the first stage.
+        late: the machine at the step's end.
+        h: the step [s].
+        p: the machine's parameters.
     """
+    a, b = _all_sides(early, p), _all_sides(late, p)
+    supplies = early.plant.supply.pressure, late.plant.supply.pressure
     return (
-        _stopped(before.swing, after.swing, p.swing),
-        _stopped(before.boom, after.boom, p.boom),
-        _stopped(before.stick, after.stick, p.stick),
+        _stopped(before.swing, a[0], b[0], supplies, h, p.guard),
+        _stopped(before.boom, a[1], b[1], supplies, h, p.guard),
+        _stopped(before.stick, a[2], b[2], supplies, h, p.guard),
     )
 
 
-def _stopped(before: AxisState, after: AxisState, axis: Axis) -> float:
-    one = 0.5 * axis.line_1.inertance * before.flow_1 * before.flow_1 if after.flow_1 == 0.0 else 0.0
-    two = 0.5 * axis.line_2.inertance * before.flow_2 * before.flow_2 if after.flow_2 == 0.0 else 0.0
-    return one + two
+def _all_sides(simulation: Simulation, p: PlantParameters) -> tuple[Sides, Sides, Sides]:
+    """Return both sides of every axis."""
+    ports, joints = ports_of(simulation, p), at_joints(simulation.plant, p)
+    t = transmissions(joints.swing.angle, joints.boom.angle, joints.stick.angle, p)
+    return (
+        sides(motor_side(joints, p), t[0], ports[0], p.swing),
+        sides(joints.boom, t[1], ports[1], p.boom),
+        sides(joints.stick, t[2], ports[2], p.stick),
+    )
+
+
+def _stopped(
+    before: AxisState, early: Sides, late: Sides, supplies: Pair, h: float, guard: PortGuard
+) -> float:
+    one = _stopped_in(before.flow_1, early[0], late[0], supplies, h, guard)
+    return one + _stopped_in(-before.flow_2, early[1], late[1], supplies, h, guard)
+
+
+def _stopped_in(before: float, early: Side, late: Side, supplies: Pair, h: float, guard: PortGuard) -> float:
+    """Return what one hose loses [J] beside what its powers tell."""
+    inertance = early.line.inertance
+    if early.flow == 0.0:
+        return 0.5 * inertance * before * before
+    if not (is_torn(early, supplies[0]) or is_torn(late, supplies[1])):
+        return 0.0
+    told = WEIGHTS[0] * early.flow * side_rates(early, supplies[0], guard).flow
+    told += WEIGHTS[1] * late.flow * side_rates(late, supplies[1], guard).flow
+    return inertance * (0.5 * (before * before - late.flow * late.flow) + h * told)
 
 
 def _bending(

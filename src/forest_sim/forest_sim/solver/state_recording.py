@@ -79,7 +79,7 @@ def record(
                     early = np.array(pack_flows(power_flows(taken.early, p)))
                     late = np.array(pack_flows(power_flows(taken.late, p)))
                     flowed = h / divided * (WEIGHTS[0] * early + WEIGHTS[1] * late)
-                    stopped = stopped_energy(simulation.plant, taken.early.plant, p)
+                    stopped = stopped_energy(simulation.plant, taken.early, taken.late, h / divided, p)
                     energies[row] += np.concatenate([flowed, stopped])
                 simulation = taken.after
         store(simulation, states[row])
