@@ -82,6 +82,14 @@ def test_every_survivor_that_is_listed_stands_in_the_module_and_has_a_reason(lis
             assert len(reason) > 10, key
 
 
+def test_a_module_is_listed_once():
+    """Of two of one name YAML keeps the last."""
+    for name in ("modules", "sampled", "survivors", "unnoticed"):
+        text = (ROOT / f"test/mutation/{name}.yaml").read_text("utf-8")
+        keys = re.findall(r"^ *(\S+\.py):", text, re.MULTILINE)
+        assert len(keys) == len({*keys}), name
+
+
 def rows_of(head):
     """The rows of the page's table whose head begins so, cell by cell."""
     table = PAGE[PAGE.index(head) :].partition("\n\n")[0]

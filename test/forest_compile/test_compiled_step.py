@@ -1,5 +1,6 @@
 """A step as machine code is called as the step itself, whatever states, inputs, parameters come in turn."""
 
+import ctypes
 from typing import NamedTuple
 
 import pytest
@@ -77,3 +78,22 @@ def test_after_a_fault_the_state_before_it_counts(step):
     assert (other.count, output) == (2, Output(0.5, 1))
     with pytest.raises(AttributeError, match="nothing"):
         _ = other.nothing
+
+
+def test_a_state_is_laid_out_again_after_a_kernel_that_wrote_and_failed():
+    seen, fails = [], iter((False, True, False))
+
+    def kernel(state, *_):
+        numbers = ctypes.cast(state, ctypes.POINTER(ctypes.c_double))
+        seen.append(numbers[0])
+        numbers[0] += 1.0
+        if next(fails):
+            raise ArithmeticError
+
+    step = CompiledStep(kernel, Example(BEGIN, (0.5,), 1.0, 0.0))
+    last, _ = step(BEGIN, 0.5, 1.0, 0.1)
+    with pytest.raises(ArithmeticError):
+        step(last, 0.5, 1.0, 0.1)
+    again, _ = step(last, 0.5, 1.0, 0.1)
+    assert seen == [0.0, 1.0, 1.0]
+    assert (last.count, again.count) == (1, 2)

@@ -6,6 +6,7 @@ import shutil
 import subprocess
 import sys
 import threading
+from pathlib import Path
 from types import SimpleNamespace
 from typing import NamedTuple
 
@@ -185,10 +186,26 @@ def test_a_link_is_not_followed(form, cache, caplog):
     assert_refused(caplog, f"{file} is a link")
 
 
+def test_a_folder_or_a_pipe_is_no_kernel(form, cache, caplog):
+    for make in (os.mkdir, os.mkfifo):
+        one = cached()
+        one.kernel()
+        file = one.file
+        file.unlink()
+        make(file, 0o700)
+        opened = sorted(Path("/proc/self/fd").iterdir())
+        assert cached().ready() is None
+        assert f"{file} is no file" in caplog.text
+        assert sorted(Path("/proc/self/fd").iterdir()) == opened
+        caplog.clear()
+        file.rmdir() if file.is_dir() else file.unlink()
+
+
 def test_a_linked_directory_is_not_used_nor_written_to(form, cache, tmp_path, caplog):
     cached().kernel()
     cache.rename(tmp_path / "real")
     cache.symlink_to(tmp_path / "real")
+    (tmp_path / "real").chmod(0o755)
     before = [(file, file.stat().st_mtime_ns) for file in (tmp_path / "real").iterdir()]
     assert cached().ready() is None
     assert f"{cache} is a link" in caplog.text
@@ -197,17 +214,55 @@ def test_a_linked_directory_is_not_used_nor_written_to(form, cache, tmp_path, ca
     assert "cannot be kept" in caplog.text
     assert one.file is None
     assert before == [(file, file.stat().st_mtime_ns) for file in (tmp_path / "real").iterdir()]
+    assert (tmp_path / "real").stat().st_mode & 0o777 == 0o755
 
 
-def test_another_users_file_is_not_used(form, caplog, monkeypatch):
+def test_another_users_file_is_not_used(form, cache, caplog, monkeypatch):
     """It is the asker who is another here: only root could give files away."""
     one = cached()
     one.kernel()
+    cache.chmod(0o755)
     monkeypatch.setattr(os, "geteuid", lambda: os.getuid() + 1)
     assert cached().ready() is None
     assert f"belongs to user {os.getuid()}, not to {os.getuid() + 1}" in caplog.text
     assert result(cached().kernel()) == law(Point(0.7, -0.4))
     assert "cannot be kept" in caplog.text
+    assert cache.stat().st_mode & 0o777 == 0o755
+
+
+def test_without_the_systems_word_the_cache_lies_at_home(tmp_path, monkeypatch):
+    monkeypatch.setenv("HOME", str(tmp_path))
+    for unset in (
+        lambda: monkeypatch.setenv("XDG_CACHE_HOME", ""),
+        lambda: monkeypatch.delenv("XDG_CACHE_HOME"),
+    ):
+        unset()
+        assert kernel_files.directory() == tmp_path / ".cache" / "forest_sim"
+
+
+def test_another_translator_or_law_makes_another_kernel(tmp_path, monkeypatch):
+    package = tmp_path / "package"
+    (package / "frontend").mkdir(parents=True)
+    sources = [package / "kernel_cache.py", package / "frontend" / "translate.py"]
+    monkeypatch.setattr(kernel_cache, "__file__", str(sources[0]))
+    for source in sources:
+        source.write_text("one")
+    named = [cached()._shared.name, cached()._shared.name]
+    for source in sources:
+        source.write_text("other")
+        named.append(cached()._shared.name)
+    named.append(cached(other_law)._shared.name)
+    assert named[0] == named[1]
+    assert len(set(named)) == 4
+
+
+def test_linked_code_brings_the_mathematics_that_it_calls():
+    """Whoever loads it may not have that library."""
+    if not any(map(shutil.which, machine_code.LINKERS)):
+        pytest.skip("no linker is installed")
+    one = cached()
+    assert one.kernel()
+    assert b"\0libm.so.6\0" in one.file.read_bytes()
 
 
 def test_a_cache_that_cannot_be_written_costs_only_time(tmp_path, monkeypatch, caplog):

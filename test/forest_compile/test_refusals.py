@@ -39,6 +39,18 @@ class Named(IntEnum):
     ONE = 1
 
 
+class Plain(tuple):
+    """A tuple of no names."""
+
+    __slots__ = ()
+
+
+class Wider(Q):
+    """A NamedTuple's heir, whose constructor may be another."""
+
+    __slots__ = ()
+
+
 def kernel_of(law, noinline=()):
     """A law of a `P` that gives one number, as machine code."""
     text = "def kernel(given, result):\n    result[0] = law(p)"
@@ -119,6 +131,17 @@ def unequal(p):
     return float((p.x, p.y) == (p.x, p.y, 0.0)) + 2.0 * float((p.x, 1) != (p.x, True))
 
 
+def of_its_own(x, more=0.25):
+    return x + more
+
+
+of_its_own.__wrapped__ = lambda x, more=0.5: x
+
+
+def by_its_own_signature(p):
+    return of_its_own(p.x)
+
+
 def of_truths(p):
     return p.on + p.on - (not p.on) * 3 + abs(-p.on) + max(p.on, p.n) + int(p.on) % -2
 
@@ -134,6 +157,7 @@ RIGHT = [
     roots,
     once,
     unequal,
+    by_its_own_signature,
     of_truths,
 ]
 
@@ -446,6 +470,34 @@ def made_a_tuple(p):
     return tuple((p.x, p.y))[0]
 
 
+def tuples_in_order(p):
+    return (p.x, p.y) < (p.y, p.x)
+
+
+def a_number_and_a_tuple(p):
+    return p.x == (p.x, p.y)
+
+
+def a_tuple_and_a_number(p):
+    return (p.x, p.y) != p.x
+
+
+def greatest_of_a_list(p):
+    return max([p.x + i for i in range(2)])
+
+
+def gone_through_a_function(p):
+    return tuple([p.x + i for i in once(p)])[0]
+
+
+def of_no_names(p):
+    return Plain((p.x, p.y))[0]
+
+
+def of_an_heir(p):
+    return Wider(p.x, p.y).x
+
+
 def rounded(p):
     return round(p.x)
 
@@ -578,6 +630,13 @@ REFUSED = {
     item_changed: "only rows take numbers",
     field_changed: "'p.x' is not assigned to",
     made_a_tuple: "is not translated",
+    tuples_in_order: "tuples are compared with tuples, for equality alone",
+    a_number_and_a_tuple: "tuples are compared with tuples, for equality alone",
+    a_tuple_and_a_number: "tuples are compared with tuples, for equality alone",
+    greatest_of_a_list: "ListComp is not translated",
+    gone_through_a_function: "ListComp is not translated",
+    of_no_names: r"'Plain\(\(p.x, p.y\)\)' is not translated",
+    of_an_heir: r"'Wider\(p.x, p.y\)' is not translated",
     rounded: r"'round\(p.x\)' is not translated",
     of_one: "not with 1 numbers",
     nested: "FunctionDef is not translated",
@@ -632,6 +691,10 @@ def test_a_function_without_a_file_is_refused():
 
 def product(p):
     return p.n * 4194304 * 4194304 * 256
+
+
+def square(p):
+    return p.n * p.n
 
 
 def summed(p):
@@ -714,6 +777,8 @@ FAULTS = [
     (first_replaced, BOTH, "a whole number beyond"),
     (last_replaced, BOTH, "an index beyond"),
     (product, P(n=2), "a whole number beyond"),
+    (square, P(n=2**32), "a whole number beyond"),
+    (square, P(n=-(2**31) * 3), "a whole number beyond"),
     (summed, P(n=1), "a whole number beyond"),
     (doubled, P(n=2**44), "a whole number beyond"),
     (halved, P(n=2), "a whole number beyond"),
@@ -738,7 +803,82 @@ def test_what_does_not_fit_is_an_error_that_tells_its_place(law, p, fault, noinl
     assert run(harmless) == law(harmless)
 
 
-@pytest.mark.parametrize("p", [P(n=2.5), P(n=2.0**53), P(n=math.nan), P(on=0.5)])
+# fmt: off
+def over_lines(p):
+    return (
+        7
+        % p.n
+        + p.x
+    )
+# fmt: on
+
+
+def test_a_fault_tells_the_line_in_which_its_operation_begins():
+    line = over_lines.__code__.co_firstlineno + 2
+    with pytest.raises(ArithmeticError, match=rf"over_lines \(test_refusals.py, line {line}\): a remainder"):
+        kernel_of(over_lines)(P(n=0))
+
+
+def in_a_pair(p):
+    return p.x, p.n + p.n
+
+
+def of_a_pair(p):
+    return in_a_pair(p)[1]
+
+
+def doubled_in_a_pair(p):
+    pair = (0.0, p.n)
+    for i in range(64):  # beyond a register's last bit nothing would be left
+        pair = (p.x, pair[1] + pair[1])
+    return pair[1]
+
+
+@pytest.mark.parametrize("noinline", [(), (in_a_pair,)], ids=["inlined", "called"])
+@pytest.mark.parametrize(
+    ("law", "n", "harmless"), [(of_a_pair, 2**53 - 1, 2**52 - 1), (doubled_in_a_pair, 1, 0)]
+)
+def test_so_is_a_whole_number_that_is_too_large_within_a_tuple(law, n, harmless, noinline):
+    run = kernel_of(law, noinline)
+    with pytest.raises(ArithmeticError, match="a whole number beyond"):
+        run(P(n=n))
+    assert run(P(n=harmless)) == law(P(n=harmless))
+
+
+def constants(p):
+    return 7 % 0 if p.on else 7 % -1 + 1
+
+
+def test_a_remainder_of_constants_is_a_fault_where_it_is_reached_alone():
+    run = kernel_of(constants)
+    assert run(P(on=False)) == 1.0
+    with pytest.raises(ArithmeticError, match="a remainder by zero"):
+        run(P(on=True))
+
+
+def turned(pair):
+    return pair[1], pair[0]
+
+
+def in_turn(p):
+    first = turned((p.x, p.y))
+    second = turned((p.x + 10.0, p.y + 10.0))
+    third = turned(first)
+    return 1e4 * third[0] + 1e2 * first[p.n % 2] + second[p.n % 2]
+
+
+@pytest.mark.parametrize("p", [P(1.0, 2.0, 0), P(3.0, 4.0, 1)])
+def test_what_a_called_function_gave_stays_while_it_is_called_again(p):
+    assert kernel_of(in_turn, (turned,))(p) == in_turn(p)
+
+
+def test_an_entry_has_a_letter_for_each_of_its_arguments():
+    for letters in ("p", "ppd"):
+        with pytest.raises(ValueError, match="zip"):
+            translate.llvm_ir(Entry("def kernel(given, result):\n    result[0] = given[0]", {}, letters, {}))
+
+
+@pytest.mark.parametrize("p", [P(n=2.5), P(n=2.0**53), P(n=math.nan), P(on=0.5), P(on=2.0), P(on=math.nan)])
 def test_what_lies_in_a_row_for_a_whole_number_must_be_one(p):
     with pytest.raises(ArithmeticError, match=r"kernel: p.* is no (whole number|truth)"):
         kernel_of(cut)(p)

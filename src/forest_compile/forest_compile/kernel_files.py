@@ -41,9 +41,13 @@ def read(path: Path) -> bytes | None:
         if path.is_symlink():
             raise UntrustedError(f"{path} is a link") from error
         raise
-    with os.fdopen(handle, "rb") as file:
+    try:
         _check(path.parent, path.parent.lstat(), stat.S_IFDIR)
         _check(path, os.fstat(handle), stat.S_IFREG)
+    except OSError:
+        os.close(handle)
+        raise
+    with os.fdopen(handle, "rb") as file:
         content = file.read()
     code = content[:-_DIGEST]
     if content[-_DIGEST:] != _digest(path, code):

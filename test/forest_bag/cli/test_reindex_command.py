@@ -10,6 +10,8 @@ from forest_bag.cli import main
 from forest_bag.convert.output_options import read_outputs
 from forest_bag.convert.rewrite import rewrite
 from forest_bag.read.merged_bags import MergedBags
+from forest_bag.storage.metadata import recorded_losses
+from forest_bag.storage.sqlite_file import SqliteFile
 from forest_bag.write.bag_split import Layout
 from forest_bag.write.bag_writer import BagWriter
 
@@ -79,8 +81,26 @@ def test_what_is_no_bag_and_what_is_damaged_is_refused_and_left_as_it_is(bag, tm
     shutil.copytree(bag, tmp_path / "mixed")
     (tmp_path / "mixed" / "x.db3").write_bytes(b"SQLite")
     assert main.main(["reindex", str(tmp_path / "mixed")]) == 1
+    assert "x.db3 is cut off: it holds 6 bytes" in capsys.readouterr().err
+    (tmp_path / "mixed" / "x.db3").unlink()
+    SqliteFile(tmp_path / "mixed" / "x.db3").finish()
+    assert main.main(["reindex", str(tmp_path / "mixed")]) == 1
+    assert "mixed holds mcap and sqlite3; allowed: files of one kind" in capsys.readouterr().err
     file = bag / "bag_1.mcap"
     file.write_bytes(file.read_bytes()[:-100])
     assert main.main(["reindex", str(bag)]) == 1
     assert "forest-bag recover" in capsys.readouterr().err
     assert (bag / "metadata.yaml").read_text() == was
+
+
+@pytest.mark.parametrize(
+    ("custom", "losses"),
+    [
+        ({"lost_messages": "9", "lost_messages:/a": "3", "lost_messages:/b": 4}, {"/a": 3, "/b": 4}),
+        ({"lost_messages:/a": "many", "lost_messages:/b": "-1", 5: "6"}, {}),
+        ("lost_messages:/a", {}),
+        (None, {}),
+    ],
+)
+def test_losses_are_what_can_be_understood_of_somebodys_custom_data(custom, losses):
+    assert recorded_losses({"custom_data": custom}) == losses

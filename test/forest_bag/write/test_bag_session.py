@@ -45,6 +45,7 @@ def told(directory):
 def test_every_take_is_a_bag_of_its_own_with_latched_messages_and_context(session, tmp_path):
     takes = session()
     takes.attach(Attached("machine.yaml", "application/yaml", b"name: c180", 5))
+    takes.note("versions", {"python": "3"})
     takes.write("/robot_description", b"urdf", S, S, 1)  # before the start: nobody records yet
     assert takes.start() == tmp_path / "bag"
     takes.write("/depth", b"1", 2 * S, 2 * S, 1)
@@ -56,8 +57,11 @@ def test_every_take_is_a_bag_of_its_own_with_latched_messages_and_context(sessio
     assert takes.written == 2
     assert told(tmp_path / "bag") == [[("/robot_description", 1), ("/depth", 1)]]
     assert told(tmp_path / "bag_2") == [[("/robot_description", 1), ("/depth", 3)]]
-    with (tmp_path / "bag_2/bag_2_0.mcap").open("rb") as stream:
-        assert [a.name for a in make_reader(stream).iter_attachments()] == ["machine.yaml"]
+    for name in ("bag/bag_0.mcap", "bag_2/bag_2_0.mcap"):
+        with (tmp_path / name).open("rb") as stream:
+            reader = make_reader(stream)
+            assert [a.name for a in reader.iter_attachments()] == ["machine.yaml"]
+            assert next((m.name, m.metadata) for m in reader.iter_metadata()) == ("versions", {"python": "3"})
 
 
 def test_a_snapshot_holds_the_last_seconds_and_what_was_latched_before(session, tmp_path):
@@ -104,3 +108,46 @@ def test_nothing_is_written_while_no_take_is_open(session, tmp_path):
     takes.stop()
     assert not takes.recording
     assert not (tmp_path / "bag").exists()
+
+
+def test_a_take_tells_how_much_it_has_and_takes_in_what_is_told_meanwhile(session, tmp_path):
+    takes = session()
+    assert (takes.recording, takes.message_count, takes.size, takes.topic_count) == (False, 0, 0, 2)
+    assert takes.directory == takes.start() == takes.start() == tmp_path / "bag"
+    begun = takes.size
+    assert takes.add_topic("/odd", "nobodys_msgs/msg/Odd", offers(), "") is False  # nobody knows its type
+    for name, content in (("a.yaml", b"a: 1"), ("a.yaml", b"b: 2")):  # the first of a name stays
+        takes.attach(Attached(name, "application/yaml", content, 5))
+    takes.note("late", {"key": "value"})
+    takes.write("/odd", b"bytes", S, S)
+    takes.missed("/odd", 2)
+    takes.missed("/nobodys", 2)
+    assert (takes.recording, takes.message_count, takes.topic_count) == (True, 1, 3)
+    assert takes.size > begun > 0
+    assert takes.lost == {"/robot_description": 0, "/depth": 0, "/odd": 2}
+    takes.stop()
+    assert (takes.recording, takes.message_count, takes.size, takes.written) == (False, 0, 0, 1)
+    assert told(tmp_path / "bag") == [[("/odd", 0)]]
+    with (tmp_path / "bag/bag_0.mcap").open("rb") as stream:
+        reader = make_reader(stream)
+        assert [(a.name, a.data) for a in reader.iter_attachments()] == [("a.yaml", b"a: 1")]
+        assert next((m.name, m.metadata) for m in reader.iter_metadata()) == ("late", {"key": "value"})
+
+
+def test_a_split_on_demand_begins_the_next_file_and_a_snapshot_of_nothing_is_none(session, tmp_path):
+    takes = session(snapshot_ns=S)
+    takes.start()
+    assert takes.snapshot() == 0
+    takes.write("/depth", b"1", S, S, 1)
+    assert takes.snapshot() == 1
+    takes.write("/depth", b"2", 2 * S, 2 * S, 2)
+    takes.stop()  # what waits in the ring is nobody's
+    assert told(tmp_path / "bag") == [[("/depth", 1)]]
+    plain = Session(tmp_path / "plain", Layout())
+    plain.add_topic("/depth", "std_msgs/msg/Float64", offers(), "")
+    plain.start()
+    for number in (1, 2):
+        plain.write("/depth", b"d", number, number, number)
+        plain.split()
+    plain.stop()
+    assert told(tmp_path / "plain") == [[("/depth", 1)], [("/depth", 2)]]

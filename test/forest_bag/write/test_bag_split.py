@@ -163,3 +163,51 @@ def test_a_next_file_that_cannot_be_made_leaves_a_closed_bag_of_those_before(tmp
     about = yaml.safe_load((tmp_path / "bag/metadata.yaml").read_text())["rosbag2_bagfile_information"]
     assert about["relative_file_paths"] == ["bag_0.mcap"]
     assert about["message_count"] == 101
+
+
+def test_a_bags_size_is_that_of_its_files(tmp_path):
+    def on_disk():
+        return [file.stat().st_size for file in bag_files(tmp_path / "bag")]
+
+    bag = crane(tmp_path / "bag", Layout("none"), seconds=1)
+    bag.flush()
+    first = bag.size
+    assert 0 < first - on_disk()[0] < 10_000  # its summary is to come
+    bag.split()
+    assert bag.size - on_disk()[0] == bag._split.file.size > on_disk()[1]
+    bag.write("/depth", ONE, 10**10, 10**10, 1)
+    bag.close()
+    assert bag.size == sum(on_disk())
+
+
+def test_what_a_file_begins_with_is_no_reason_for_the_next(tmp_path):
+    bag = BagWriter(tmp_path / "bag", Layout("none", max_bytes=3000, chunk_bytes=1))
+    bag.add_topic("/map", "nobodys_msgs/msg/Map", [offers("transient_local", 1)], "")
+    bag.add_topic("/depth", "nobodys_msgs/msg/Depth", [offers()], "")
+    bag.write("/map", bytes(20_000), 0, 0, 1)
+    for step in range(30):
+        bag.write("/depth", bytes(1000), step, step, step + 1)
+    bag.close()
+    sizes = [file.stat().st_size for file in bag_files(tmp_path / "bag")]
+    assert len(sizes) == 3
+    assert all(40_000 < size < 2 * (20_000 + 6000) for size in sizes[1:-1])
+
+
+def test_a_message_without_a_number_has_none(tmp_path):
+    bag = BagWriter(tmp_path / "bag")
+    bag.add_topic("/depth", "std_msgs/msg/Float64", [offers()], "")
+    bag.write("/depth", ONE, 5, 5)
+    bag.close()
+    assert [m.sequence for _, m in contents(tmp_path / "bag" / "bag_0.mcap")] == [0]
+
+
+def test_metadata_of_a_bag_without_messages_tells_no_time(tmp_path):
+    bag = BagWriter(tmp_path / "bag")
+    bag.add_topic("/depth", "std_msgs/msg/Float64", [offers()], "")
+    bag.close()
+    about = yaml.safe_load((tmp_path / "bag/metadata.yaml").read_text())["rosbag2_bagfile_information"]
+    for told in (about, *about["files"]):
+        assert told["starting_time"] == {"nanoseconds_since_epoch": 0}
+        assert told["duration"] == {"nanoseconds": 0}
+        assert told["message_count"] == 0
+    assert about["topics_with_message_count"][0]["message_count"] == 0

@@ -1,5 +1,6 @@
 """A run of two nodes in lockstep: who is called when, what each reads of which step, and how it ends."""
 
+import re
 import threading
 import time
 from collections import defaultdict
@@ -118,7 +119,7 @@ def test_two_nodes_make_their_steps_in_turn_and_all_that_they_say_is_told(make_n
     ear, calls, logged = Ear(make_node("ear")), defaultdict(list), []
     clocks = [leader(make_node("machine"), calls), follower(make_node("control"), calls)]
     clocks[0]._node.get_logger = lambda: SimpleNamespace(info=logged.append)
-    stopping = threading.Event()
+    stopping, begun = threading.Event(), time.monotonic()
     threads = [threading.Thread(target=clock.run, args=(stopping,)) for clock in clocks]
     for thread in threads:
         thread.start()
@@ -148,7 +149,8 @@ def test_two_nodes_make_their_steps_in_turn_and_all_that_they_say_is_told(make_n
         "/controller/status": [*TOLD],
     }
     assert ear.batched == {node: [(0, 3), (3, 6), (6, 7), (7, 7)] for node in ("machine", "control")}
-    assert logged[0].startswith(f"{STEPS - 1} steps in ")
+    (took,) = re.match(rf"{STEPS - 1} steps in (\S+) s: ", logged[0]).groups()
+    assert 0.0 < float(took) < time.monotonic() - begun
 
 
 def test_whoever_leads_stays_so_many_steps_before_the_recorder_and_no_more(make_node, monkeypatch):
@@ -230,3 +232,30 @@ def test_who_reads_nothing_follows_the_clock_and_nobody_takes_plain_arrays(make_
         clock.run(stopping)
     node.set_parameters([Parameter("plain_arrays", value=False)])
     clock.run(stopping)
+
+
+def test_what_nobody_waits_for_is_told_once_in_so_many_steps_a_topic_in_each(make_node):
+    clock, told = LockstepClock(make_node("machine"), 1.0, quiet=3), defaultdict(list)
+    clock._publishers = [
+        SimpleNamespace(
+            published_step=0, name=name, awaited=name == "a", tell=lambda name=name: told[name].append(step)
+        )
+        for name in "abcd"
+    ]
+    clock._no_output = SimpleNamespace(publish=lambda _: told["silence"].append(step))
+    clock._idle = SimpleNamespace(
+        note=lambda at, names: told["idle"].append((at, names)), tell=lambda at: told["report"].append(at)
+    )
+    clock._batch = SimpleNamespace(tell=lambda at: told["batch"].append(at))
+    for step in range(1, 8):
+        clock._make(step)
+    assert told == {
+        "a": [3, 6],
+        "b": [2, 5],
+        "c": [1, 4, 7],
+        "d": [3, 6],
+        "silence": [*range(1, 8)],
+        "idle": [(k, ["b", "c", "d"]) for k in range(1, 8)],
+        "report": [3, 6],
+        "batch": [3, 6],
+    }

@@ -12,6 +12,7 @@ from rclpy.parameter import Parameter
 from forest_msgs_py.clock.lockstep import LockstepClock
 from forest_msgs_py.clock.node_clock import LiveClock, node_clock, number_publisher
 from forest_msgs_py.interfaces import topics
+from forest_msgs_py.interfaces.stamps import stamp_in
 from forest_msgs_py.serialization.unpacking import ArrayReader
 
 NUMBERS = (1.0, -2.0, 3.0)
@@ -21,6 +22,7 @@ def test_a_live_node_hears_when_each_message_was_sent_and_counts_it(make_node, r
     node = make_node("live")
     clock = node_clock(node)
     assert isinstance(clock, LiveClock)
+    assert not clock.lockstep
     assert clock.now() == pytest.approx(time.monotonic(), abs=1.0)
     assert clock.stamp() == pytest.approx(time.time_ns(), abs=1e9)
     heard, ticks = [], []
@@ -31,9 +33,11 @@ def test_a_live_node_hears_when_each_message_was_sent_and_counts_it(make_node, r
     executor = SingleThreadedExecutor(context=ros_context)
     executor.add_node(node)
     wait_until(lambda: node.count_subscribers(topics.VALVE_VOLTAGES.name) == 2)
-    speak(clock.stamp(), NUMBERS)
+    stamp = clock.stamp()
+    speak(stamp, NUMBERS)
     wait_until(lambda: heard and len(ticks) > 1, executor=executor)
     assert ArrayReader(topics.VALVE_VOLTAGES).read(heard[0][0], 0).values == NUMBERS
+    assert stamp_in(topics.VALVE_VOLTAGES.type, heard[0][0]) == stamp
     assert heard[0][1] == pytest.approx(time.monotonic(), abs=5.0)
     assert received.count == 1
     assert received.subscription.topic_name == "/valve_voltages"
@@ -53,6 +57,7 @@ def test_in_lockstep_parameters_tell_the_steps_the_guard_and_whether_a_recorder_
     follower = node_clock(make_node("other", parameter_overrides=names))
     assert isinstance(leader, LockstepClock)
     assert isinstance(follower, LockstepClock)
+    assert leader.lockstep
     assert (leader._guard, leader._batch_steps, leader._steps, leader._leads) == (3.0, 5, 7, True)
     assert leader._recorded is not None
     assert leader._clock is not None

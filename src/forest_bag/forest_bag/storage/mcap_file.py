@@ -95,6 +95,8 @@ class McapFile:
     @property
     def size(self) -> int:
         """Bytes of the file if it ended now, or a little less; the open chunk is not compressed yet."""
+        if self.finished:
+            return self._file.size
         indexes = len(self._chunk_index) + ENDING_BYTES
         return self._file.size + self._chunk.size + indexes + self._defined
 
