@@ -16,14 +16,16 @@ if ! cmp --silent "$lock" "$tool/$lock"; then
         --target "$tool/lib" --require-hashes --only-binary=:all: -r "$lock" || die "Atheris could not be installed."
     cp -- "$lock" "$tool/$lock"
 fi
+TIMEFORMAT=%U
 export PYTHONPATH=$tool/lib${PYTHONPATH:+:$PYTHONPATH}
 read -r -a targets <<<"${*:2}"
 ((${#targets[@]})) || mapfile -t targets < <("$venv/bin/python" test/fuzz/fuzz.py 2>"$tool/targets.log")
 for target in "${targets[@]}"; do
     found=$tool/found/$target
     mkdir -p "$found"
-    "$venv/bin/python" test/fuzz/fuzz.py "$target" "$found" -max_total_time="$seconds" \
-        -artifact_prefix="$found/" -print_final_stats=1 >"$found.log" 2>&1 || failed+=("$target")
-    printf '%-12s %s\n' "$target" "$(grep -a '^Done\|^stat::number_of_executed' "$found.log" | tail -1)"
+    { time "$venv/bin/python" test/fuzz/fuzz.py "$target" "$found" -max_total_time="$seconds" \
+        -artifact_prefix="$found/" -print_final_stats=1 >"$found.log" 2>&1 || failed+=("$target"); } 2>"$found.time"
+    executed=$(grep -a '^stat::number_of_executed' "$found.log" || true)
+    printf '%-12s %12s executions in %7s s of processor\n' "$target" "${executed##* }" "$(<"$found.time")"
 done
 ((${#failed[@]} == 0)) || die "see $tool/found: ${failed[*]}"
