@@ -164,3 +164,13 @@ def test_readings_are_put_right_but_at_the_ends_of_a_range(calibrated):
     again = calibration.as_read({name: right, "other": right}, calibrated)
     assert again[name][1:3] == pytest.approx([1e6, 2e7])
     assert again["other"] is right
+
+
+def test_a_flow_at_an_end_of_its_meters_range_is_left_as_it_reads():
+    units = calibration.updated(C180, [calibration.Offset("stick_flow", 0.0, 0.0, "m3/s", 1.02, 0.001)])
+    machine = dataclasses.replace(C180, sensors=dataclasses.replace(C180.sensors, calibration=units))
+    meter = C180.sensors.flow_meter
+    read = np.array([meter.lowest, -meter.lowest, 1.02e-3, -meter.highest])
+    session = Session("valve", np.arange(4) * 0.005, np.zeros((4, 3)), {"stick_flow": read})
+    right = calibration.corrected(session, machine).readings["stick_flow"]
+    assert right == pytest.approx([meter.lowest, -meter.lowest, 1e-3, -meter.highest])

@@ -173,6 +173,7 @@ def test_whoever_leads_stays_so_many_steps_before_the_recorder_and_no_more(make_
 def test_what_a_late_reader_waits_for_is_told_beside_what_all_wait_for(make_node):
     node = make_node("reader")
     clock = LockstepClock(node, 1.0)
+    assert clock._batch_steps == 1  # unless asked otherwise
     assert len(clock._no_output_subscriptions) == 1
     for _ in range(2):  # once for all such topics
         clock.polled_subscription(topics.CONTROLLER_STATUS)
@@ -207,7 +208,9 @@ def test_a_node_waits_as_long_as_its_guard_says_and_in_the_first_step_for_20_s_a
         except NodeFailure as failure:
             return str(failure).split(";")[0]
 
+    begun = time.monotonic()
     assert waits(clock, 1, 18.0) is True
+    assert time.monotonic() - begun > 0.09  # asleep
     assert waits(clock, 1, 20.5) == "step 1: waited 20 s for /joy of joystick"
     assert waits(clock, 2, 1.0) is True
     assert waits(clock, 2, 2.5) == "step 2: waited 2 s for /joy of joystick"
