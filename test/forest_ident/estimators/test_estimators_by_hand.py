@@ -221,6 +221,16 @@ def test_masses_are_weighed_against_those_that_the_file_tells():
     assert gravity.masses(alone, rests(HEAVY, POSES)).values == pytest.approx([820.0], rel=1e-6)
 
 
+@pytest.mark.parametrize(("rows", "counts"), [(80, True), (79, False)])
+def test_a_rest_counts_from_two_seconds_after_the_motion_for_at_least_0_4_s(rows, counts):
+    record = rests(HEAVY, POSES[:2])
+    last = len(record.time) - 800 + 400 + rows
+    found, _ = gravity.poses(C180, record.part(0, last))
+    assert found == pytest.approx(np.array(POSES[: 1 + counts]))
+    from_rest = record.part(200, 200 + 80)  # without a motion before it, there is nothing to wait for
+    assert len(gravity.poses(C180, from_rest)[0]) == 1
+
+
 # -- hoses: (4.4), (4.5a), (4.6)
 
 

@@ -10,7 +10,8 @@ from forest_ident.measurements.session import Session, SessionError
 from forest_ident.output_error.fit_problem import Fit
 from forest_ident.output_error.gaussian_estimate import GaussianEstimate
 from forest_ident.output_error.prediction import predict
-from forest_ident.refinement import experiment_check, linear_estimates, refinement
+from forest_ident.output_error.residual_test import ResidualTest
+from forest_ident.refinement import data_quality, experiment_check, linear_estimates, refinement
 from forest_ident.refinement.identification import identify
 from forest_ident.refinement.refinement_task import Task
 from forest_ident.refinement.result import unidentified
@@ -87,6 +88,8 @@ def test_exact_readings_are_predicted_exactly(sessions, unknown_machine):
     session = sessions("damping_swing", exact=True)
     said = predict(unknown_machine, session)
     assert said["swing_resolver"] == pytest.approx(session.column("swing_resolver"), abs=1e-4)
+    flow = session.column("swing_flow")  # by meters that do not lag
+    assert np.sqrt(np.mean((said["swing_flow"] - flow) ** 2)) < 1e-4 * np.ptp(flow)
 
 
 def test_data_that_cannot_tell_say_so_and_which_motion_would():
@@ -132,6 +135,7 @@ def test_a_ramp_tells_the_overlap_that_a_rig_told_roughly_though_they_agree(monk
     monkeypatch.setattr(experiment_check, "demand", lambda *_: None)
     found = identify(load_machine("loader"), records).estimates[keys[0]]
     assert found.value == pytest.approx(1.4, abs=1e-4)
+    assert found.standard_error == pytest.approx(3e-5, rel=1e-3)
     assert not found.warning
 
 
@@ -162,7 +166,19 @@ def told_by_records(monkeypatch, slopes):
 def test_a_record_passes_on_what_it_tells_and_no_more(monkeypatch):
     result = told_by_records(monkeypatch, slopes=0.0)
     assert set(result.known.names) == {"swing.damping", "swing_flow.g"}
-    assert result.estimates["swing.damping"].value == pytest.approx(3e4)
+    e = result.estimates["swing.damping"]
+    assert (e.value, e.standard_error) == (pytest.approx(3e4), pytest.approx(3e3))
+    assert (e.positive, e.withheld, e.method) == (True, False, "output error")
+
+
+def test_a_record_that_the_model_does_not_explain_moves_nothing_and_its_interval_is_withheld(monkeypatch):
+    left = ResidualTest("swing_flow", 1e-4, 9.0, 100, 0.0)
+    monkeypatch.setattr(data_quality, "residual_tests", lambda *_: [left])
+    result = told_by_records(monkeypatch, slopes=0.0)
+    assert result.known.names == ()
+    e = result.estimates["swing.damping"]
+    assert (e.value, e.withheld) == (pytest.approx(3e4), True)
+    assert any("the model does not explain this record" in remark for remark in result.remarks)
 
 
 def test_a_record_that_knows_a_number_less_well_does_not_move_it(monkeypatch):

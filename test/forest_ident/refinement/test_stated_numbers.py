@@ -138,6 +138,15 @@ def test_a_told_number_adds_its_share_to_the_error():
     assert with_stated.standard_error == pytest.approx(5.0)
     assert with_stated.stated == pytest.approx(9.0 / 25.0)
     assert with_stated.most == "stick"
+    small = known._replace(covariance=1e-8 * known.covariance, slopes=1e-4 * known.slopes)
+    assert stated_numbers.with_stated(
+        e._replace(standard_error=4e-4), small, ["areas", "stick"]
+    ).standard_error == pytest.approx(5e-4)
+    positive = stated_numbers.with_stated(
+        e._replace(positive=True, standard_error=400.0), known, ["areas", "stick"]
+    )
+    assert positive.standard_error == pytest.approx(500.0)  # slopes are of its logarithm
+    assert stated_numbers.with_stated(e, known._replace(slopes=None), ["areas", "stick"]) == e
 
 
 def line(values):
