@@ -169,3 +169,12 @@ def test_pages_that_do_not_fit_together_are_found_by_the_check(tmp_path):
     (tmp_path / "bag.db3").write_bytes(whole)
     with pytest.raises(Damaged, match=r"bag\.db3"), BagReader(tmp_path / "bag.db3") as bag:
         bag.check()
+
+
+def test_a_name_that_is_no_text_is_damage_and_no_traceback(tmp_path):
+    """SQLite's complaint quotes it; found by fuzzing."""
+    opened(tmp_path / "bag.db3").close()
+    whole = (tmp_path / "bag.db3").read_bytes()
+    (tmp_path / "bag.db3").write_bytes(whole.replace(b"CREATE TABLE topics", b"CREATE \xbaABLE topics"))
+    with pytest.raises(Damaged, match=r"bag\.db3 is not a readable database of rosbag2's: ."):
+        BagReader(tmp_path / "bag.db3")

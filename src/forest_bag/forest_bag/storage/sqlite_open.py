@@ -23,6 +23,8 @@ from urllib.parse import quote
 
 MODES = slice(18, 20)  # bytes of the header that name the versions for writing and reading
 WAL = b"\x02\x02"
+# What SQLite raises over a damaged file; Python decodes its complaint, which may quote bytes of the file.
+BROKEN = (sqlite3.Error, UnicodeDecodeError)
 
 
 class Database:
@@ -32,7 +34,7 @@ class Database:
         note: what of its neighbourhood the user should know; "" if nothing.
 
     Raises:
-        sqlite3.Error: SQLite cannot open it.
+        BROKEN: SQLite cannot open it.
         OSError: it cannot be read, or there is no room for a temporary copy.
     """
 

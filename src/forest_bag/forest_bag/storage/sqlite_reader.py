@@ -1,6 +1,5 @@
 """One file of a bag in rosbag2's older format, an SQLite database (.db3), read as an MCAP file is."""
 
-import sqlite3
 from collections import Counter
 from collections.abc import Iterator
 from operator import itemgetter
@@ -8,7 +7,7 @@ from pathlib import Path
 
 from forest_bag.storage.decompression import LARGEST
 from forest_bag.storage.raw_messages import BagFile, Channel, Damaged, Piece, RawMessage, full_type
-from forest_bag.storage.sqlite_open import Database
+from forest_bag.storage.sqlite_open import BROKEN, Database
 
 MAGIC = b"SQLite format 3\0"
 BYTES = 1 << 24  # of a piece, or
@@ -32,13 +31,13 @@ class SqlitePieces(BagFile):
         super().__init__(path, plain, MAGIC, ("an SQLite database", "SQLite"))
         try:
             self._database = Database(plain)
-        except sqlite3.Error as error:
+        except BROKEN as error:
             raise Damaged(f"{path} is not a readable database of rosbag2's: {error}") from error
         try:
             self.channels = self._topics()
             self.problems += self._unusable()
             self._find_pieces()
-        except sqlite3.Error as error:
+        except BROKEN as error:
             self.close()
             raise Damaged(f"{path} is not a readable database of rosbag2's: {error}") from error
         self.complete = not self.problems
@@ -57,7 +56,7 @@ class SqlitePieces(BagFile):
         """
         try:
             (found,) = self._database.execute("PRAGMA quick_check(1)").fetchone()
-        except sqlite3.Error as error:
+        except BROKEN as error:
             found = str(error)
         if found != "ok":
             raise Damaged(f"{self.path} is damaged: {' '.join(found.split())}")
@@ -71,7 +70,7 @@ class SqlitePieces(BagFile):
         query = f"SELECT timestamp, topic_id, data FROM messages WHERE {USABLE} AND timestamp BETWEEN ? AND ?"
         try:
             rows = self._database.execute(query, (LARGEST, piece.first_ns, piece.last_ns)).fetchall()
-        except sqlite3.Error as error:
+        except BROKEN as error:
             raise Damaged(f"{self.path} is damaged: {error}") from error
         rows.sort(key=itemgetter(0))  # not ORDER BY: without an index SQLite sorts copies of the data
         known = self.channels
