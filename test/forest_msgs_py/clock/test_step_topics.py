@@ -133,6 +133,19 @@ def test_the_newest_message_grows_older_by_each_step_without_one(box):
     assert polled.count == 2
 
 
+def test_of_a_recorders_answers_the_last_is_kept(box):
+    polled = box(0)
+    assert not polled.reached(PERIOD_NS)
+    say(polled, 1, 2, 3)
+    polled.collect()
+    assert [polled.reached(step * PERIOD_NS) for step in (2, 3, 4)] == [True, True, False]
+    assert list(polled._waiting) == [3 * PERIOD_NS]
+    say(polled, 5)
+    polled.collect()
+    assert polled.reached(4 * PERIOD_NS)
+    assert list(polled._waiting) == [5 * PERIOD_NS]
+
+
 def test_steps_without_output_that_follow_each_other_are_told_as_one_span():
     told = []
     node = SimpleNamespace(create_publisher=lambda *_: SimpleNamespace(publish=told.append))
