@@ -253,6 +253,25 @@ def test_a_topic_that_was_offered_in_two_ways_recovers_for_rosbags_too(tmp_path)
     assert count_by_rosbags(tmp_path / "out") == 3
 
 
+def test_a_topic_without_a_schema_recovers_with_the_others(tmp_path):
+    with (tmp_path / "a.mcap").open("wb") as stream:
+        writer = Writer(stream)
+        writer.start()
+        typed = writer.register_schema("std_msgs/msg/Float64", "ros2msg", b"float64 data")
+        channels = [
+            writer.register_channel("/plain", "json", 0, {}),
+            writer.register_channel("/depth", "cdr", typed, {}),
+        ]
+        for step in range(10):
+            writer.add_message(channels[step % 2], step, b"{}", step, step)
+        writer.finish()
+    recovered = recover([tmp_path / "a.mcap"], tmp_path / "out")
+    assert (recovered.messages, recovered.nameless) == (10, 0)
+    with (tmp_path / "out" / "out_0.mcap").open("rb") as stream:
+        found = [(schema and schema.name, c.topic) for schema, c, _ in make_reader(stream).iter_messages()]
+    assert found == [(None, "/plain"), ("std_msgs/msg/Float64", "/depth")] * 5
+
+
 def test_of_several_files_the_empty_one_is_left_out(tmp_path):
     first, second = recorded(tmp_path / "a"), recorded(tmp_path / "b", close=False)
     (tmp_path / "nothing.mcap").touch()

@@ -82,6 +82,7 @@ def test_what_was_written_is_forced_to_the_disk_once_and_a_broken_disk_is_told(
         file.sync_soon()
     thread, own = file._syncer, file._syncer._descriptor
     assert own != file._descriptor
+    assert thread.daemon  # who ends without closing does not wait for it
     file.close()
     assert not thread.is_alive()
     with pytest.raises(OSError, match="Bad file descriptor"):
