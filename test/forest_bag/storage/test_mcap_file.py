@@ -9,11 +9,13 @@ import zlib
 
 import pytest
 from mcap.reader import NonSeekingReader, make_reader
-from mcap.stream_reader import StreamReader
+from mcap.records import Chunk, ChunkIndex, MessageIndex
+from mcap.stream_reader import StreamReader, breakup_chunk
 
 from forest_bag.read.bag_reader import BagReader
-from forest_bag.storage.mcap_chunk import COMPRESSIONS
+from forest_bag.storage.mcap_chunk import COMPRESSIONS, OpenChunk
 from forest_bag.storage.mcap_file import McapFile
+from forest_bag.storage.metadata import FileEntry
 from forest_bag.storage.raw_messages import Damaged
 
 
@@ -105,6 +107,118 @@ def test_the_checksums_of_summary_and_attachments_are_those_of_the_specification
     assert len(attachments) == 3
     for begin, end in attachments:
         assert number(data, end - 4) == zlib.crc32(data[begin : end - 4]) != 0
+
+
+def read_records(path):
+    with path.open("rb") as stream:
+        return [*StreamReader(stream, emit_chunks=True).records]
+
+
+@pytest.mark.parametrize("compression", COMPRESSIONS)
+def test_every_index_tells_where_its_messages_are_and_how_large_its_chunk_is(tmp_path, compression):
+    file = McapFile(tmp_path / "a.mcap", compression)
+    schema = file.add_schema("std_msgs/msg/String", "ros2msg", b"string data")
+    channels = [file.add_channel(f"/{name}", schema, {}) for name in "ab"]
+    times = [[30, 10, 20, 50], [5, 40], [70]]
+    for chunk in times:
+        for time in chunk:
+            file.add_message(channels[time % 20 == 0], time, bytes(time), time + 1, 2**32 + time)
+        file.flush()
+    assert file.entry == FileEntry("a.mcap", 5, 70, 7)
+    file.finish()
+    data, records = (tmp_path / "a.mcap").read_bytes(), read_records(tmp_path / "a.mcap")
+    chunks = [record for record in records if isinstance(record, Chunk)]
+    entries = [record for record in records if isinstance(record, ChunkIndex)]
+    for chunk, entry, expected in zip(chunks, entries, times, strict=True):
+        assert (entry.message_start_time, entry.message_end_time) == (min(expected), max(expected))
+        assert (entry.compression, entry.compressed_size, entry.uncompressed_size) == (
+            "" if compression == "none" else compression,
+            len(chunk.data),
+            chunk.uncompressed_size,
+        )
+        begin = entry.chunk_start_offset
+        assert entry.chunk_length == 9 + number(data, begin + 1, 8)
+        assert (chunk.message_start_time, chunk.message_end_time) == (min(expected), max(expected))
+        indexes = range(begin + entry.chunk_length, begin + entry.chunk_length + entry.message_index_length)
+        assert next(iter(entry.message_index_offsets.values())) == indexes.start
+        assert data[indexes.stop] != 0x07  # the next record is no index
+        messages = breakup_chunk(chunk, validate_crc=True)
+        assert [m.log_time for m in messages] == expected
+        assert [(m.publish_time, m.sequence, len(m.data)) for m in messages] == [
+            (t + 1, t, t) for t in expected
+        ]
+    found = {}
+    for index in (record for record in records if isinstance(record, MessageIndex)):
+        found.setdefault(index.channel_id, []).append(index.records)
+    lengths = [[9 + 22 + time for time in chunk] for chunk in times]
+    for channel in channels:
+        told = [
+            [(time, sum(sizes[:k])) for k, time in enumerate(chunk) if channels[time % 20 == 0] == channel]
+            for chunk, sizes in zip(times, lengths, strict=True)
+        ]
+        assert found[channel] == [chunk for chunk in told if chunk]
+
+
+def test_the_summary_tells_each_attachment_and_note_and_counts_all(tmp_path):
+    file = McapFile(tmp_path / "a.mcap", library="of ours")
+    schemas = [file.add_schema(f"pkg/msg/{name}", "ros2msg", b"") for name in "AB"]
+    assert [file.add_channel("/a", schemas[1], {"key": "value"}), file.add_channel("/b", 2, {}, "json")] == [
+        1,
+        2,
+    ]
+    file.attach("machine.yaml", "application/yaml", b"name: c180", 5)
+    file.note("versions", {"python": "3"})
+    file.attach("empty", "", b"", 7)
+    file.finish(lambda: {"version": 9})
+    file.finish(pytest.fail)  # a second call does nothing
+    data = (tmp_path / "a.mcap").read_bytes()
+    with (tmp_path / "a.mcap").open("rb") as stream:
+        reader = make_reader(stream, validate_crcs=True)
+        header, summary = reader.get_header(), reader.get_summary()
+        notes = [(note.name, note.metadata) for note in reader.iter_metadata()]
+    assert (header.profile, header.library) == ("ros2", "of ours")
+    assert notes == [("versions", {"python": "3"}), ("rosbag2", {"serialized_metadata": "version: 9\n"})]
+    one, two = summary.attachment_indexes
+    assert (one.name, one.media_type, one.data_size, one.log_time, one.create_time) == (
+        *("machine.yaml", "application/yaml", 10, 5, 5),
+    )
+    assert (two.name, two.media_type, two.data_size, two.log_time) == ("empty", "", 0, 7)
+    for opcode, index in ((0x09, one), (0x09, two), *((0x0C, note) for note in summary.metadata_indexes)):
+        assert data[index.offset] == opcode
+        assert index.length == 9 + number(data, index.offset + 1, 8)
+    assert [index.name for index in summary.metadata_indexes] == ["versions", "rosbag2"]
+    s = summary.statistics
+    assert (s.attachment_count, s.metadata_count, s.channel_count, s.schema_count) == (2, 2, 2, 2)
+    assert (s.chunk_count, s.message_count, s.message_start_time, s.message_end_time) == (0, 0, 0, 0)
+    channels = summary.channels
+    assert [(c.schema_id, c.message_encoding, c.metadata) for c in channels.values()] == [
+        (2, "cdr", {"key": "value"}),
+        (2, "json", {}),
+    ]
+    assert file.entry == FileEntry("a.mcap", 0, 0, 0)
+
+
+def test_an_open_chunk_has_the_size_of_its_records_and_of_their_index():
+    chunk = OpenChunk()
+    for size in (0, 100):
+        chunk.add(1, 5, bytes(size), 5, 1)
+    assert chunk.size == 2 * (9 + 22 + 16) + 100
+    file_size = 2 * (9 + 22) + 100
+    sealed = chunk.sealed("none", lambda data: data, 0)
+    assert (sealed.first_ns, sealed.last_ns, sealed.counts) == (5, 5, {1: 2})
+    assert number(sealed.records, 9 + 16, 8) == file_size
+
+
+def test_a_chunk_is_written_when_it_is_as_large_as_is_allowed(tmp_path):
+    file = McapFile(tmp_path / "a.mcap", chunk_bytes=2 * (9 + 22 + 16))
+    channel = file.add_channel("/a", file.add_schema("pkg/msg/A", "ros2msg", b""), {})
+    for count in range(1, 6):
+        file.add_message(channel, count, b"", 0, 0)
+        assert (file.chunks, file.message_count) == (count // 2, count // 2 * 2)
+    assert not file.finished
+    file.finish()
+    assert (file.finished, file.chunks, file.message_count) == (True, 3, 5)
+    assert file.size == (tmp_path / "a.mcap").stat().st_size
 
 
 def test_a_changed_byte_of_summary_or_attachment_is_noticed_by_our_reader(tmp_path):

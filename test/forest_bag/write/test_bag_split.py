@@ -10,6 +10,7 @@ from mcap.reader import make_reader
 from forest_bag.storage.bag_files import bag_files
 from forest_bag.write.bag_split import Attached, Layout
 from forest_bag.write.bag_writer import BagWriter
+from forest_bag.write.transient_local import Sample, TransientLocal, is_transient_local
 
 FOREVER = {"sec": 9223372036, "nsec": 854775807}
 ONE = b"\x00\x01\x00\x00" + bytes(6) + b"\xf0\x3f"  # std_msgs/Float64 1.0 as little-endian CDR
@@ -211,3 +212,47 @@ def test_metadata_of_a_bag_without_messages_tells_no_time(tmp_path):
         assert told["duration"] == {"nanoseconds": 0}
         assert told["message_count"] == 0
     assert about["topics_with_message_count"][0]["message_count"] == 0
+
+
+@pytest.mark.parametrize(
+    ("seconds", "kept"),
+    [(0, True), (9223372036, True), (2147483647, True), (999_999_999, False), (10, False)],
+)
+def test_latched_is_what_stays_for_good(seconds, kept):
+    one = offers("transient_local", lifespan={"sec": seconds, "nsec": 0})
+    assert is_transient_local([offers(), one]) == kept
+    assert not is_transient_local([one | {"durability": "volatile"}])
+
+
+def latched(qos, count=150):
+    """What is kept of so many messages, by their numbers."""
+    kept = TransientLocal()
+    kept.watch("/map", qos)
+    for number in range(count):
+        kept.keep(Sample("/map", b"%d" % number, number, 0, number))
+        kept.keep(Sample("/other", b"", number, 0, number))
+    assert ("/map" in kept, "/other" in kept) == (bool(kept._kept), False)
+    return [sample.sequence for sample in kept]
+
+
+def test_of_a_latched_topic_as_many_are_kept_as_its_publisher_keeps_and_a_hundred_of_several():
+    one = offers("transient_local", 3)
+    assert latched([one]) == [147, 148, 149]
+    assert latched([one | {"depth": 0}]) == [149]  # the middleware does not tell
+    assert latched([one | {"depth": 1000}]) == [*range(50, 150)]
+    assert latched([one, one]) == [*range(50, 150)]
+    assert latched([offers()]) == []
+    assert latched([one], 2) == [0, 1]
+
+
+def test_of_a_limit_in_time_the_first_message_counts_and_at_the_limit_the_next_file_begins(tmp_path):
+    bag = BagWriter(tmp_path / "bag", Layout(max_ns=10))
+    bag.add_topic("/depth", "std_msgs/msg/Float64", [offers()], "")
+    for time in (5, 14, 15, 24, 26):
+        bag.write("/depth", ONE, time, time, time)
+    bag.close()
+    assert [[m.log_time for _, m in contents(file)] for file in bag_files(tmp_path / "bag")] == [
+        [5, 14],
+        [15, 24],
+        [26],
+    ]

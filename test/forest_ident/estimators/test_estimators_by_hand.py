@@ -314,6 +314,26 @@ def test_meters_that_lag_and_stand_at_their_ends_bias_nothing():
     assert capacitance.values[0] == pytest.approx(c, rel=0.02)
 
 
+def test_a_quarter_of_a_second_on_either_side_of_the_meters_floor_is_left_out():
+    """Ten times the pressure, up to 0.17 s from a sample at the floor: smoothing spreads it further."""
+    t, i, c, r, w = np.arange(0.0, 12.0, PERIOD), 4e7, 2e-12, 3e8, 2.0 * np.pi
+    q_2, rate_2 = 1e-3 + 4e-4 * np.sin(w * t), 4e-4 * w * np.cos(w * t)
+    p_out = 5e6 + 2e6 * np.sin(1.7 * t)
+    q_1 = q_2 + c * (3.4e6 * np.cos(1.7 * t) + r * rate_2)
+    p_in = p_out + r * q_2 + i * np.gradient(q_1, PERIOD, edge_order=2)
+    q_2[[400, 1200]] = 5e-5
+    for at in (400, 1200):
+        p_in[at - 34 : at + 35] *= 10.0
+    readings = {
+        "swing_pressure_1_valve": p_in,
+        "swing_pressure_1_actuator": p_out,
+        "swing_flow": q_1,
+        "stick_flow": q_2,
+    }
+    inertance, _ = hose_estimators.joint(session("hose", readings), r, True, lag=0.0, floor=5e-5)
+    assert inertance.values[0] == pytest.approx(i, rel=0.01)
+
+
 # -- running estimates
 
 
