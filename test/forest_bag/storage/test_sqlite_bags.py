@@ -76,15 +76,40 @@ def test_a_message_that_would_take_the_memory_is_told_and_costs_no_other(tmp_pat
     assert "1 of its messages have more than the 100 bytes" in told
 
 
-def test_large_messages_are_read_few_at_a_time(tmp_path, monkeypatch):
-    monkeypatch.setattr(sqlite_reader, "BYTES", 100)
+@pytest.mark.parametrize(("most", "lengths"), [(100, [5, 4, 1]), (60, [4, 1, 1, 3, 1])])
+def test_large_messages_are_read_few_at_a_time(tmp_path, monkeypatch, most, lengths):
+    monkeypatch.setattr(sqlite_reader, "BYTES", most)
     database = opened(tmp_path / "bag.db3")
     add(database, [(row, 1, time, bytes(60)) for row, time in enumerate([4, 5, 6, 7, 7, 7, 8], start=4)])
     database.commit()
     database.close()
     with BagReader(tmp_path / "bag.db3") as bag:
-        assert [piece.length for piece in bag.files[0].pieces] == [5, 4, 1]
+        assert [piece.length for piece in bag.files[0].pieces] == lengths
         assert [message.log_ns for message in bag.messages()] == [1, 2, 3, 4, 5, 6, 7, 7, 7, 8]
+
+
+def test_messages_of_a_piece_come_in_the_order_of_their_times_however_they_were_written(
+    tmp_path, monkeypatch
+):
+    monkeypatch.setattr(sqlite_reader, "MESSAGES", 3)
+    database = opened(tmp_path / "bag.db3")
+    add(database, [(row, 1, time, b"x") for row, time in enumerate([9, 5, 7, 4, 8, 6], start=4)])
+    database.commit()
+    database.close()
+    with BagReader(tmp_path / "bag.db3") as bag:
+        file = bag.files[0]
+        assert [(p.first_ns, p.last_ns, p.offset, p.length) for p in file.pieces] == [
+            (1, 3, 0, 3),
+            (4, 6, 3, 3),
+            (7, 9, 6, 3),
+        ]
+        assert [[m.log_ns for m in file.read(piece)] for piece in file.pieces] == [
+            [1, 2, 3],
+            [4, 5, 6],
+            [7, 8, 9],
+        ]
+        (one,) = {(m.publish_ns - m.log_ns, m.sequence) for m in file.read(file.pieces[0])}
+        assert one == (0, 0)  # neither was ever kept
 
 
 def test_a_topic_without_a_name_or_a_type_is_none(tmp_path):

@@ -24,6 +24,7 @@ from forest_ident.estimators import (
 from forest_ident.measurements.session import Session, SessionError
 from forest_ident.online.recursive_least_squares import Estimator, start, step
 from forest_ident.output_error import noise_model
+from forest_ident.output_error.fit_problem import Channel
 from forest_sim.mechanics.manipulator import fold_head
 
 C180, LOADER = load_machine("c180_hoses"), load_machine("loader")
@@ -396,6 +397,36 @@ def test_every_kind_of_sensor_is_judged_by_its_own_accuracy():
     assert (drain.offset, drain.gain) == (0.0, pytest.approx(uniform(2.0 * s.case_drain.accuracy)))
     spool = noise_model.channel(C180, record, "swing_spool")
     assert (spool.offset, spool.gain) == (pytest.approx(uniform(2.0 * s.spool_sensor.accuracy)), 0.0)
+
+
+def test_a_sensor_of_which_the_file_tells_nothing_is_as_good_as_exact():
+    s, record = C180.sensors, session("motion", {"boom_resolver": np.zeros(9)}, facts={})
+    plain = dataclasses.replace(s.pressure, noise=None, accuracy=None)
+    bare = dataclasses.replace(
+        C180,
+        sensors=dataclasses.replace(
+            s, pressure=plain, linear_transducer=None, resolver=dataclasses.replace(s.resolver, noise=None)
+        ),
+    )
+    read = noise_model.channel(bare, record, "stick_pressure_2_actuator")
+    assert (read.noise, read.offset, read.zero, read.high) == (100.0, 0.0, True, s.pressure.full_scale)
+    assert noise_model.channel(bare, record, "boom_transducer") == Channel("boom_transducer", 1e-6)
+    angle = noise_model.channel(bare, record, "boom_resolver")
+    assert angle.noise == pytest.approx(max(uniform(s.resolver.resolution or 0.0), 1e-6))
+    assert noise_model.accuracy(bare, record, "linear_transducer") == 0.0
+    assert noise_model.accuracy(bare, record, "pressure") == 0.0
+    assert noise_model.accuracy(C180, record, "pressure") == pytest.approx(
+        s.pressure.accuracy / math.sqrt(3.0)
+    )
+    silent = dataclasses.replace(bare, sensors=dataclasses.replace(bare.sensors, resolver=None))
+    assert noise_model.start_noise(silent, record, "boom.angle") == 0.0
+
+
+def test_only_channels_that_are_there_and_move_count():
+    still, moving, broken = np.full(9, 2.0), np.arange(9.0), np.r_[np.nan, np.arange(8.0)]
+    names = ("boom_resolver", "swing_resolver", "stick_resolver", "boom_transducer")
+    record = session("motion", dict(zip(names, (still, moving, broken), strict=False)))
+    assert [c.name for c in noise_model.channels(C180, record, names)] == ["swing_resolver"]
 
 
 @pytest.mark.parametrize(

@@ -45,6 +45,27 @@ def test_a_gain_within_its_error_is_no_gain():
     assert not Comparison(0.01, 0.001, 8).better
 
 
+def test_a_gain_is_told_in_per_cent_with_its_standard_error():
+    said = "squared errors of the held-out records are"
+    assert Comparison(0.123, 0.045, 20).told() == f"{said} 12 % lower (standard error 4 %)"
+    assert Comparison(-0.4, 0.1, 20).told() == f"{said} 40 % higher (standard error 10 %)"
+    assert Comparison(0.0, 0.0, 20).told() == f"{said} 0 % lower (standard error 0 %)"
+    assert [Comparison(gain, 0.0, 9).better for gain in (0.0201, 0.0199)] == [True, False]
+    assert [Comparison(gain, 0.1, 9).better for gain in (0.201, 0.199)] == [True, False]
+
+
+def test_a_single_block_tells_no_error(monkeypatch):
+    session = Session("validation", np.arange(500) * 0.005, np.zeros((500, 3)), {})
+
+    def told(machine, _session):
+        off = np.full(500, 0.5 if machine == "richer" else 1.0)
+        return [Signal("boom", "flow", "1", np.zeros(500), off)]
+
+    monkeypatch.setattr(held_out_comparison, "signals", told)
+    found = compare("poorer", "richer", [session])  # 2.5 s: a block of 2 s, and a rest that does not count
+    assert (found.gain, found.blocks, found.better) == (0.75, 1, False)
+
+
 def test_without_a_held_out_record_nothing_is_compared():
     with pytest.raises(ValueError, match="no held-out record"):
         compare(PLAIN, dataclasses.replace(PLAIN, name="other"), [])

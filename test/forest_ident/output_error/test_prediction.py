@@ -6,8 +6,8 @@ import pytest
 from forest_compile import flat_layout
 from forest_description.machine import load_machine
 from forest_ident.driving.simulated_experiment import experiment
-from forest_ident.measurements.session import THERMOCOUPLES
-from forest_ident.output_error.prediction import Offsets, plants_at, predict, resting_at
+from forest_ident.measurements.session import THERMOCOUPLES, Session
+from forest_ident.output_error.prediction import Offsets, plants_at, predict, redrawn, rest, resting_at
 from forest_sim.equations.plant_parameters import plant_parameters
 from forest_sim.solver.oil_temperature import parameters_at
 
@@ -69,3 +69,56 @@ def test_a_resolvers_error_moves_the_crane_as_its_start_does_and_the_reading_by_
         for name, column in start.items():
             shift = 1e-3 if name == f"{axis}_resolver" else 0.0
             np.testing.assert_allclose(error[name], column - shift, rtol=1e-12, atol=1e-15)
+
+
+def warm(facts=None, **readings):
+    return Session("damping_swing", np.arange(4000) * 0.005, np.zeros((4000, 3)), readings, facts or {})
+
+
+def test_the_noise_of_thermocouples_is_drawn_once_more_and_nothing_else_changes():
+    machine = load_machine("c180_hoses")
+    record = warm(tank_temperature=np.full(4000, 315.0), swing_resolver=np.zeros(4000))
+    noise, copies = machine.sensors.thermocouple.noise, redrawn(machine, record)
+    assert noise > 0.0
+    assert len(copies) >= 2
+    for copy in copies:
+        drawn = copy.readings["tank_temperature"] - 315.0
+        assert np.std(drawn) == pytest.approx(noise, rel=0.05)
+        assert abs(np.mean(drawn)) < 0.1 * noise
+        assert copy.readings["swing_resolver"] is record.readings["swing_resolver"]
+        assert copy.voltages is record.voltages
+    assert not np.array_equal(copies[0].readings["tank_temperature"], copies[1].readings["tank_temperature"])
+    again = redrawn(machine, record)[0].readings["tank_temperature"]
+    np.testing.assert_array_equal(copies[0].readings["tank_temperature"], again)
+
+
+def test_nothing_is_redrawn_where_the_temperature_drives_nothing_or_is_exact():
+    machine = load_machine("c180_hoses")
+    thermocouple, hot = machine.sensors.thermocouple, {"tank_temperature": np.full(4000, 315.0)}
+
+    def sensing(part):
+        return dataclasses.replace(machine, sensors=dataclasses.replace(machine.sensors, thermocouple=part))
+
+    assert redrawn(machine, warm({"exact_sensors": 1.0}, **hot)) == []
+    assert redrawn(machine, warm()) == []
+    assert redrawn(dataclasses.replace(machine, oil=None), warm(**hot)) == []
+    for part in (
+        None,
+        dataclasses.replace(thermocouple, noise=None),
+        dataclasses.replace(thermocouple, noise=0.0),
+    ):
+        assert redrawn(sensing(part), warm(**hot)) == []
+
+
+@pytest.mark.parametrize(
+    ("first", "creeps", "rows"),
+    [(None, True, 1), (None, False, 200), (0, True, 1), (1, False, 1), (150, True, 150), (300, False, 200)],
+)
+def test_the_start_is_the_mean_of_the_rows_before_the_first_voltage_200_at_most(first, creeps, rows):
+    record = warm()
+    if first is not None:
+        record.voltages[first:, 2] = -0.1
+    assert rest(record, creeps) == slice(0, rows)
+    assert (
+        rest(dataclasses.replace(record, time=record.time[:50], voltages=np.zeros((50, 3))), False).stop == 50
+    )
