@@ -33,9 +33,7 @@ def _parser() -> argparse.ArgumentParser:
     frames.add_argument(
         "-o", "--output", type=Path, required=True, metavar="DIR", help="directory to be made"
     )
-    frames.add_argument(
-        "--machine", default="", help="shipped machine or a file (default: the bag's own)"
-    )
+    frames.add_argument("--machine", default="", help="shipped machine or a file (default: the bag's own)")
     text = "print the paths of the layouts and of the other tools' files"
     subcommand(verbs, "layouts", text, _layouts)
     return parser

@@ -154,6 +154,31 @@ def test_the_second_meters_gain_is_over_the_first_where_flow_is_steady_and_well_
     assert calibration.meter_gain(dataclasses.replace(session, readings={"swing_flow": one}), 1e-5) is None
 
 
+def series(gain):
+    """Return a valve's record whose second meter reads a gain of the first one."""
+    one = np.r_[np.full(20, 1e-3), np.full(20, -5e-4)]
+    return Session(
+        "valve", np.arange(40) * 0.005, np.zeros((40, 3)), {"swing_flow": one, "stick_flow": gain * one}
+    )
+
+
+@pytest.mark.parametrize("gain", [0.19, 2.1, -1.0])
+def test_meters_that_have_nothing_in_common_are_named(gain):
+    with pytest.raises(
+        SessionError, match=r"valve: stick_flow reads .* in series with it; allowed: 0\.5 to 2"
+    ):
+        calibration.meter_gain(series(gain), 1e-5)
+
+
+def test_meters_that_differ_more_than_their_file_allows_are_told():
+    machine = load_machine("c180_hoses")  # 0.05 % each
+    assert calibration.disagreement(machine, calibration.meter_gain(series(1.0009), 1e-5)) == ""
+    apart = calibration.meter_gain(series(0.985), 1e-5)
+    said = "the flow meters differ by 1.5 %, their file tells 0.05 % of each"
+    assert calibration.disagreement(machine, apart) == said
+    assert calibration.disagreement(machine, apart._replace(gain_error=0.01)) == ""
+
+
 def test_readings_are_put_right_but_at_the_ends_of_a_range(calibrated):
     name = next(one for one in calibration.lines(calibrated) if "pressure" in one)
     (gain, bias), full = calibration.lines(calibrated)[name], calibrated.sensors.pressure.full_scale

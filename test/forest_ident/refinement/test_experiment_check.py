@@ -9,7 +9,7 @@ from forest_description.geometry.linkage import cylinder_length
 from forest_description.machine import load_machine
 from forest_ident.measurements.session import Session, SessionError
 from forest_ident.refinement import experiment_check
-from forest_ident.refinement.experiment_check import demand, demand_machine
+from forest_ident.refinement.experiment_check import AGAINST, demand, demand_machine
 
 C180 = load_machine("c180_hoses")
 
@@ -133,3 +133,69 @@ def test_a_cylinder_off_by_more_than_a_tenth_of_its_stroke_is_anothers(machine):
                 experiment_check._demand_lengths(machine, session, "boom")
         else:
             experiment_check._demand_lengths(machine, session, "boom")
+
+
+def of_a_valves_rig(against="", **others):
+    """Return a record of the valve's rig, 4 V to and fro; some channels are against the voltage."""
+    volts = np.zeros((100, 3))
+    volts[20:50, 0], volts[60:90, 0] = 4.0, -4.0
+    along = np.sign(volts[:, 0])
+    readings = {
+        "swing_flow": 1e-3 * along,
+        "swing_spool": 4.0 * along,
+        "swing_pressure_1_valve": 5e6 + 1e6 * along,
+        "swing_pressure_2_valve": 5e6 - 1e6 * along,
+        **others,
+    }
+    if against:
+        readings[against] = 2.0 * readings[against][0] - readings[against]
+    return Session("valve", 0.005 * np.arange(100), volts, readings)
+
+
+@pytest.mark.parametrize(
+    ("channel", "sentence"),
+    [
+        ("swing_flow", "valve: swing_flow is -0.001 in the mean of positive voltages; allowed: their sign"),
+        (
+            "swing_spool",
+            r"swing_spool is -4 in the mean .*: is the voltage reversed, or is the spool's sensor\?",
+        ),
+    ],
+)
+def test_a_rigs_reading_against_the_voltage_is_named(channel, sentence):
+    demand(C180, of_a_valves_rig())
+    with pytest.raises(SessionError, match=sentence):
+        demand(C180, of_a_valves_rig(channel))
+
+
+def test_a_meter_without_a_sign_is_named():
+    flow = of_a_valves_rig().readings["swing_flow"]
+    with pytest.raises(SessionError, match=r"swing_flow is 0\.001 in the mean of negative voltages"):
+        demand(C180, of_a_valves_rig(swing_flow=np.abs(flow)))
+
+
+def test_exchanged_ports_are_named_and_a_drop_that_transducers_err_is_not():
+    along = np.sign(of_a_valves_rig().voltages[:, 0])
+    gauge = C180.sensors.pressure
+    few = AGAINST * C180.pump.idle_pressure + 2.0 * gauge.accuracy * gauge.full_scale
+    demand(
+        C180,
+        of_a_valves_rig(swing_pressure_1_valve=0.4 * few * -along, swing_pressure_2_valve=0.4 * few * along),
+    )
+    with pytest.raises(
+        SessionError, match=r"swing_pressure_1_valve less swing_pressure_2_valve is .*are the ports"
+    ):
+        demand(
+            C180,
+            of_a_valves_rig(
+                swing_pressure_1_valve=0.6 * few * -along, swing_pressure_2_valve=0.6 * few * along
+            ),
+        )
+
+
+def test_a_thermocouple_in_degrees_celsius_is_named():
+    demand(C180, of_a_valves_rig(pump_temperature=np.full(100, 313.15)))
+    with pytest.raises(
+        SessionError, match=r"pump_temperature reads 40 \.\. 40 K; .* is it in degrees Celsius"
+    ):
+        demand(C180, of_a_valves_rig(pump_temperature=np.full(100, 40.0)))

@@ -1,3 +1,4 @@
+import dataclasses
 import math
 
 import numpy as np
@@ -115,6 +116,18 @@ def test_a_doubt_goes_along_with_what_a_record_carries(monkeypatch, sessions):
         assert "of its variance comes from what is doubtful: the search of valve" in doubts[f"hose.{key}"]
     assert "valve.minimum_resistance" in doubts
     assert "swing.internal_leakage_resistance" not in doubts  # what is told of the motor is all its error
+
+
+def test_meters_that_contradict_each_other_leave_what_hangs_on_flow_in_doubt(sessions):
+    records = [sessions(name) for name in ("valve", "motor_internal")]
+    meters = records[0].readings
+    records[0] = dataclasses.replace(
+        records[0], readings={**meters, "stick_flow": 0.985 * meters["stick_flow"]}
+    )
+    doubts = verdict(identify(load_machine("c180_hoses"), records)).doubts
+    assert "from what is doubtful: the flow meters differ by 1." in doubts["valve.minimum_resistance"]
+    assert "valve.spool_bandwidth" not in doubts
+    assert "swing.internal_leakage_resistance" not in doubts
 
 
 def test_a_ramp_tells_the_overlap_that_a_rig_told_roughly_though_they_agree(monkeypatch):

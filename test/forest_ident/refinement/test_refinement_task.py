@@ -81,7 +81,7 @@ C180_TASKS = {
     ),
 }
 LOADER_TASKS = {
-    "valve_stick": ((*OWN_LAW, *OTHER_PUMP), line("turbulent")),
+    "valve_stick": ((*OWN_LAW, *OTHER_PUMP), (*line("turbulent"), "oil.air.share")),
     "gravity": (
         (*MASSES, "valve.leakage_conductance", "stick.valve.leakage_conductance"),
         (
@@ -92,7 +92,7 @@ LOADER_TASKS = {
     ),
     "damping_stick": (
         ("stick.damping", "stick.friction.coulomb_force", "stick.friction.breakaway_force"),
-        ("boom.damping", *OWN_LAW, *line("turbulent"), *OTHER_PUMP, *MASSES),
+        ("boom.damping", *OWN_LAW, *line("turbulent"), *OTHER_PUMP, *MASSES, "oil.air.share"),
     ),
 }
 FACTS = {"hose": {"hose_axis": 0.0, "laminar": 0.0}, "hose_laminar": {"hose_axis": 2.0, "laminar": 1.0}}

@@ -43,6 +43,7 @@ NAME = "calibration"
 NEAR = 25.0  # [K] a thermocouple may be off; further, it is not in that bath
 VENTED = 1e6  # [Pa] a transducer may be off; further, its line is not open to the air
 ICE, BOILING = 273.15, 373.15  # [K], at 1013 hPa
+ALIKE = (0.5, 2.0)  # gains of a flow meter that a machine file allows
 EACH, PERIOD = 20.0, 0.005  # [s] in ice, and in boiling water; of the samples
 SETUP = (
     "Pump off, all lines open to the air. The thermocouples in melting ice for 20 s, then in boiling water "
@@ -167,7 +168,11 @@ def _thermocouple(session: Session, name: str) -> Offset:
 
 
 def meter_gain(session: Session, floor: float) -> Offset | None:
-    """Return the gain of the second flow meter over the first, from a rig that has them in series."""
+    """Return the gain of the second flow meter over the first, from a rig that has them in series.
+
+    Raises:
+        SessionError: they have nothing in common.
+    """
     if not session.has("swing_flow", "stick_flow"):
         return None
     one, two = session.column("swing_flow"), session.column("stick_flow")
@@ -177,10 +182,24 @@ def meter_gain(session: Session, floor: float) -> Offset | None:
         return None
     x, y = one[seen], two[seen]
     gain = float(x @ y / (x @ x))
+    if not ALIKE[0] <= gain <= ALIKE[1]:
+        raise SessionError(
+            f"{session.name}: stick_flow reads {gain:.3g} times swing_flow, which is in series with it; "
+            f"allowed: {ALIKE[0]:g} to {ALIKE[1]:g}: does a meter stand still, or count in another unit?"
+        )
     error = float(np.std(y - gain * x) / math.sqrt(x @ x))
     return Offset(
         channel="stick_flow", offset=0.0, offset_error=0.0, gain=gain, gain_error=error, unit="m3/s"
     )
+
+
+def disagreement(machine: Machine, gain: Offset) -> str:
+    """Return by how much two flow meters differ, if their accuracy in the file does not allow it; else ""."""
+    meter, apart = rigs.meters(machine).flow_meter, abs(gain.gain - 1.0)
+    told = (meter.accuracy or 0.0) if meter else 0.0
+    if apart <= 2.0 * told + NORMAL_95 * gain.gain_error:
+        return ""
+    return f"the flow meters differ by {100.0 * apart:.2g} %, their file tells {100.0 * told:.2g} % of each"
 
 
 def lines(machine: Machine) -> dict[str, tuple[float, float]]:

@@ -1,7 +1,7 @@
 """Is a record of the experiment that it names, and of this machine?
 
-By the axes that were driven, how the platform stood, the facts beside it, the supply at rest, and lengths
-over angles.
+By the axes that were driven, how the platform stood, the facts beside it, the supply at rest, lengths over
+angles, where oil flows under a voltage, and the oil's temperature.
 """
 
 import numpy as np
@@ -9,10 +9,11 @@ import numpy as np
 from forest_description.config.parameter import MachineError
 from forest_description.derived.limits import joint_limits
 from forest_description.geometry.linkage import cylinder_length
+from forest_description.hydraulics.oil import COLDEST, HOTTEST
 from forest_description.machine import Machine
 from forest_description.types import AXES
 from forest_ident.experiments.experiment_plan import TILT, plan
-from forest_ident.measurements.session import Session, SessionError
+from forest_ident.measurements.session import THERMOCOUPLES, Session, SessionError
 
 DRIVEN = 0.02  # of a valve's rated voltage: less is no opening
 TILTED = 0.3 * TILT  # [rad]
@@ -20,6 +21,9 @@ STRANGE = 0.1  # of a cylinder's stroke: ten times what a tape's errors move its
 BEYOND = 0.1  # [rad] past the end of a joint's way: more than any sensor's error
 COUNT = 200  # samples of a record that are compared
 PUMP = 2.0  # times the pressure of the idle pump, or under its half: more than a gauge is misread by
+WIDE = 0.5  # of the greatest voltage: rows by which a direction is told
+AGAINST = 1e-3  # of the pump's pressure, beside what the transducers err
+SPOOL = 0.3  # [V] more than a spool's sensor errs
 REST = 20  # rows at the start without a voltage, at least, that tell the idle pump's pressure
 
 
@@ -71,10 +75,14 @@ def demand_machine(machine: Machine, session: Session) -> None:
     """Refuse a record that this machine cannot have made.
 
     Raises:
-        SessionError: its pump idles at another pressure, a joint goes where it has no way, a cylinder's
-            length does not belong to its angle, or boom and stick have no resolvers.
+        SessionError: its pump idles at another pressure, its oil is no liquid, oil flows against the voltage,
+            a joint goes where it has no way, a cylinder's length does not belong to its angle, or boom and
+            stick have no resolvers.
     """
     _demand_pump(machine, session)
+    _demand_temperatures(session)
+    if session.on_rig:
+        _demand_directions(machine, session)
     if not session.on_crane:
         return
     try:
@@ -107,6 +115,43 @@ def _demand_pump(machine: Machine, session: Session) -> None:
             f"{machine.name}: {1e-6 * idle / PUMP:.3g} .. {1e-6 * idle * PUMP:.3g} MPa, its "
             f"{machine.pump.kind} pump's: is it another machine's record, or another kind of pump?"
         )
+
+
+def _demand_temperatures(session: Session) -> None:
+    """Refuse a record whose thermocouples read what no hydraulic oil has."""
+    for name in filter(session.has, THERMOCOUPLES):
+        low, high = float(np.min(session.column(name))), float(np.max(session.column(name)))
+        if not COLDEST < low <= high < HOTTEST:
+            raise SessionError(
+                f"{session.name}: {name} reads {low:.4g} .. {high:.4g} K; allowed: {COLDEST:g} .. "
+                f"{HOTTEST:g} K: is it in degrees Celsius?"
+            )
+
+
+def _demand_directions(machine: Machine, session: Session) -> None:
+    """Refuse a rig's record in which flow, spool or the drop over the ports is against the voltage."""
+    meter, transducer = machine.sensors.flow_meter, machine.sensors.pressure
+    _demand_along(session, ("swing_flow",), meter.lowest if meter else 0.0, "is the meter")
+    _demand_along(session, ("swing_spool",), SPOOL, "is the spool's sensor")
+    ports = ("swing_pressure_1_valve", "swing_pressure_2_valve")
+    error = 2.0 * transducer.full_scale * (transducer.accuracy or 0.0) if transducer else 0.0
+    _demand_along(session, ports, error + AGAINST * machine.pump.idle_pressure, "are the ports")
+
+
+def _demand_along(session: Session, channels: tuple[str, ...], least: float, suspect: str) -> None:
+    """Refuse a record in which what is read is against the voltage by more than the least that counts."""
+    if not session.has(*channels):
+        return
+    volts = session.voltages[:, 0]
+    read = session.column(channels[0]) - sum(session.column(name) for name in channels[1:])
+    for sign, called in ((1.0, "positive"), (-1.0, "negative")):
+        wide = sign * volts > WIDE * np.max(np.abs(volts))
+        mean = float(np.mean(read[wide])) if np.any(wide) else 0.0
+        if sign * mean < -least:
+            raise SessionError(
+                f"{session.name}: {' less '.join(channels)} is {mean:.3g} in the mean of {called} voltages; "
+                f"allowed: their sign: is the voltage reversed, or {suspect}?"
+            )
 
 
 def _demand_lengths(machine: Machine, session: Session, axis: str) -> None:

@@ -52,6 +52,7 @@ HELD_OUT = ("validation", "motion")
 # Standard errors and volts by which an axis' valve must differ to get its own section.
 OWN_VALVE = (4.0, 0.01)
 
+FLOW_GAINS = frozenset({"swing_flow.g", "stick_flow.g"})
 OWED = 0.1  # share of a variance: more of it from what is doubtful is a doubt
 
 Progress = Callable[[str, float], None]
@@ -137,7 +138,10 @@ def _calibrate(result: Result, sessions: Sequence[Session]) -> None:
             result.calibration += calibration.calibrate(result.start, session)
         if session.name == "valve":
             gain = calibration.meter_gain(session, linear_estimates.floor(result.start))
-            result.calibration += [gain] if gain is not None else []
+            if gain is not None:
+                result.calibration.append(gain)
+                if why := calibration.disagreement(result.start, gain):
+                    result.doubts.append(Doubt(why, (), FLOW_GAINS))
     if not any(session.is_exact for session in sessions):
         updated = calibration.updated(result.start, result.calibration)
         result.machine = with_part(result.machine, "sensors.calibration", updated)
