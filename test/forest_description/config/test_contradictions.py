@@ -210,6 +210,24 @@ OTHERS = [
         "pendulum.rotator_mass (700 kg) must be smaller than head_mass (700 kg): the head is rotator and",
     ),
     (
+        "c180",
+        "manipulator:\n  pendulum:\n    grapple_inertia: = 1e6 kg*m2\n",
+        4,
+        "600 kg would lie 40.8 m from their centre; allowed: at most 5400 kg*m2, 3 m",
+    ),
+    (
+        "loader",
+        "manipulator:\n  pendulum:\n    inertia: = 500 kg*m2\n",
+        4,
+        "46 kg would lie 3.3 m from their centre; allowed: at most 414 kg*m2, 3 m",
+    ),
+    (
+        "c180",
+        "manipulator:\n  pendulum:\n    grip: = 15 m\n",
+        4,
+        "grip = 15 m is outside the range 0 .. 5 m",
+    ),
+    (
         "c180_hoses",
         GRAPPLE.format(mass=100, centre=0.6),
         6,
@@ -423,9 +441,9 @@ OTHERS = [
     ),
     (
         "c180",
-        "oil:\n  air:\n    vapour_pressure: = 0.4 bar\n    tank_pressure: = 0.35 bar\n",
+        "oil:\n  air:\n    vapour_pressure: = 0.49 bar\n",
         4,
-        "oil.air.vapour_pressure (40000 Pa) must be smaller than tank_pressure (35000 Pa)",
+        "oil.air.vapour_pressure = 0.49 bar (49000 Pa) is outside the range 0 .. 20000 Pa",
     ),
     (
         "c180",

@@ -114,6 +114,16 @@ def test_the_shipped_machines_have_nothing_else_than_their_hoses_to_warn_of():
             ],
         ),
         (
+            dataclasses.replace(
+                load_machine("c180"),
+                valve=dataclasses.replace(load_machine("c180").valve, spool_slew_limit=2.0),
+            ),
+            [
+                f"{axis}: its spool takes 5 s from the centre to full open by its spool_slew_limit of 2 V/s"
+                for axis in ("swing", "boom", "stick")
+            ],
+        ),
+        (
             bursting(80.0),
             ["boom.holding_1: more than 80 L/min shut it, and at full speed 1", "L/min leave the boom"],
         ),
@@ -132,6 +142,7 @@ def test_the_shipped_machines_have_nothing_else_than_their_hoses_to_warn_of():
         "setting under the load",
         "setting over the relief",
         "chart over the cylinder",
+        "slow spool",
         "rupture valve under full speed",
     ],
 )

@@ -6,10 +6,19 @@ the tip. The hanging head is told as one body, or by its parts: a rotator, and a
 processing head under it.
 """
 
+import math
 from dataclasses import dataclass
 from typing import ClassVar
 
-from forest_description.config.parameter import ParameterSet, optional_parameter, parameter, require_order
+from forest_description.config.parameter import (
+    MachineError,
+    ParameterSet,
+    optional_parameter,
+    parameter,
+    require_order,
+)
+
+WIDEST = 3.0  # [m] of a head's mass from its centre; the longest processing heads have 2 m
 
 
 @dataclass(frozen=True)
@@ -42,6 +51,14 @@ class Pendulum(ParameterSet):
     inertia: float = parameter("kg*m2", 0.0, 1e6, "head's inertia about its centre, across its axis")
     damping: float = parameter("N*m*s/rad", 0.0, 1e6, "viscous damping of each of the joint's axes")
 
+    def require_compact(self, head_mass: float) -> None:
+        """Check that the head's mass [kg] need not lie far from its centre.
+
+        Raises:
+            MachineError: it must.
+        """
+        _require_compact("inertia", self.inertia, head_mass)
+
 
 @dataclass(frozen=True)
 class RotatorAndGrapple(ParameterSet):
@@ -58,10 +75,32 @@ class RotatorAndGrapple(ParameterSet):
     grapple_inertia: float = parameter(
         "kg*m2", 0.0, 1e6, "grapple's inertia about its centre, across its axis"
     )
-    grip: float = parameter("m", 0.0, 20.0, "grapple's upper end to the centre of a log that it holds")
+    grip: float = parameter("m", 0.0, 5.0, "grapple's upper end to the centre of a log that it holds")
     damping: float = parameter("N*m*s/rad", 0.0, 1e6, "viscous damping of each of the joint's axes")
 
     def __post_init__(self) -> None:
         """Check ranges, and that the rotator's centre is within the rotator."""
         super().__post_init__()
         require_order("rotator_centre", self.rotator_centre, "rotator_length", self.rotator_length, "m")
+
+    def require_compact(self, head_mass: float) -> None:
+        """Check that the rotator is lighter than the head [kg], and that the grapple's mass lies within it.
+
+        Raises:
+            MachineError: otherwise.
+        """
+        if self.rotator_mass >= head_mass:
+            raise MachineError(
+                f"pendulum.rotator_mass ({self.rotator_mass:g} kg) must be smaller than head_mass "
+                f"({head_mass:g} kg): the head is rotator and grapple together"
+            )
+        _require_compact("grapple_inertia", self.grapple_inertia, head_mass - self.rotator_mass)
+
+
+def _require_compact(name: str, inertia: float, mass: float) -> None:
+    radius, most = math.sqrt(inertia / mass), mass * WIDEST * WIDEST
+    if radius > WIDEST:
+        raise MachineError(
+            f"pendulum.{name} ({inertia:g} kg*m2): {mass:g} kg would lie {radius:.3g} m from their centre; "
+            f"allowed: at most {most:g} kg*m2, {WIDEST:g} m"
+        )

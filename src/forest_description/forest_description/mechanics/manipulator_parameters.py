@@ -69,11 +69,7 @@ class Manipulator(ParameterSet):
             return
         if self.head_mass <= 0.0:
             raise MachineError("head_mass: a head that hangs (pendulum) needs a mass above 0 kg")
-        if isinstance(self.pendulum, RotatorAndGrapple) and self.pendulum.rotator_mass >= self.head_mass:
-            raise MachineError(
-                f"pendulum.rotator_mass ({self.pendulum.rotator_mass:g} kg) must be smaller than head_mass "
-                f"({self.head_mass:g} kg): the head is rotator and grapple together"
-            )
+        self.pendulum.require_compact(self.head_mass)
         if self.log is not None and (self.log.x < 0.0 or self.log.y != 0.0):
             raise MachineError(
                 f"log: ({self.log.x:g}, {self.log.y:g}) m: in a head that hangs (pendulum) its centre must "

@@ -33,6 +33,7 @@ from forest_sim.solver.equilibrium import equilibrium
 MPA = 1e6
 LITRES = 1e-3 / 60.0  # [m^3/s] of a litre a minute
 GRID = 8  # poses of boom and of stick, less one
+SLOWEST = 0.5  # [s] of a spool's stroke to full open, several times a large pilot stage's
 CHARTED = 1.2  # of the pump's pressure: where a boom's stroke ends a chart for all heights may need 1.1
 
 
@@ -75,6 +76,7 @@ def warnings(machine: Machine) -> list[str]:
         *_setting_warnings(machine),
         *_rupture_warnings(machine),
         *_play_warnings(machine),
+        *_stroke_warnings(machine),
         *_sensor_warnings(machine),
         *_inertia_warnings(machine),
         *_tip_over_warnings(machine),
@@ -166,6 +168,18 @@ def _play_warnings(machine: Machine) -> list[str]:
                 f"at {overlap:g} V: the {axis} creeps"
             )
     return found
+
+
+def _stroke_warnings(machine: Machine) -> Iterator[str]:
+    """Give a sentence for each spool that its slew limit makes slower than any crane's."""
+    for place, axis in enumerate(AXES):
+        valve = machine.valve_of(place)
+        stroke = valve.rated_voltage / (valve.spool_slew_limit or math.inf)
+        if stroke > SLOWEST:
+            yield (
+                f"{axis}: its spool takes {stroke:.3g} s from the centre to full open by its "
+                f"spool_slew_limit of {valve.spool_slew_limit:g} V/s, as long to shut; usual: 20 to 100 ms"
+            )
 
 
 def _sensor_warnings(machine: Machine) -> list[str]:
