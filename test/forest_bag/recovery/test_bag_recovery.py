@@ -9,6 +9,7 @@ from mcap.opcode import Opcode
 from mcap.reader import make_reader
 from mcap.writer import CompressionType, Writer
 
+from forest_bag.recovery import bag_recovery
 from forest_bag.recovery.bag_recovery import recover
 from forest_bag.storage.bag_files import BagError, bag_files
 from forest_bag.storage.mcap_records import HEAD, MAGIC, records
@@ -251,6 +252,40 @@ def test_a_topic_that_was_offered_in_two_ways_recovers_for_rosbags_too(tmp_path)
     assert count_by_rosbags(tmp_path / "bag") == 3
     assert recover(bag_files(tmp_path / "bag"), tmp_path / "out").messages == 3
     assert count_by_rosbags(tmp_path / "out") == 3
+
+
+def test_gaps_in_the_publishers_count_are_told_as_losses_and_old_metadata_is_made_anew(tmp_path):
+    bag = BagWriter(tmp_path / "bag")
+    for name, numbers in (("/a", (1, 2, 5, 6)), ("/b", (7, 8))):
+        bag.add_topic(name, "std_msgs/msg/Float64", [QOS], "RIHS01_0")
+        for number in numbers:
+            bag.write(name, ONE, number, number, number)
+    bag.note("versions", {"python": "3"})
+    bag.attach(Attached("machine.yaml", "application/yaml", b"name: c180", 5))
+    bag.close()
+    recovered = recover(bag_files(tmp_path / "bag"), tmp_path / "out")
+    assert (recovered.messages, recovered.nameless) == (6, 0)
+    assert {name: gaps.lost for name, gaps in recovered.topics.items()} == {"/a": 2, "/b": 0}
+    about = yaml.safe_load((tmp_path / "out" / "metadata.yaml").read_text())["rosbag2_bagfile_information"]
+    assert about["custom_data"] == {"lost_messages": "2", "lost_messages:/a": "2", "lost_messages:/b": "0"}
+    assert [topic["message_count"] for topic in about["topics_with_message_count"]] == [4, 2]
+    assert about["topics_with_message_count"][0]["topic_metadata"]["type_description_hash"] == "RIHS01_0"
+    with (tmp_path / "out" / "out_0.mcap").open("rb") as stream:
+        reader = make_reader(stream)
+        assert reader.get_header().library == "forest_msgs_py recovery"
+        notes = [(note.name, note.metadata) for note in reader.iter_metadata()]
+        (attached,) = reader.iter_attachments()
+    assert notes[0] == ("versions", {"python": "3"})
+    assert [name for name, _ in notes] == ["versions", "rosbag2"]
+    inner = yaml.safe_load(notes[1][1]["serialized_metadata"])
+    assert [topic["message_count"] for topic in inner["topics_with_message_count"]] == [4, 2]
+    assert (attached.name, attached.media_type, attached.log_time) == ("machine.yaml", "application/yaml", 5)
+
+
+@pytest.mark.parametrize("text", ["[", "depth: 1", "- 5", "", "null"])
+def test_profiles_that_make_no_sense_are_none(text):
+    assert bag_recovery._profiles(text) == []
+    assert bag_recovery._profiles("- depth: 1") == [{"depth": 1}]
 
 
 def test_a_topic_without_a_schema_recovers_with_the_others(tmp_path):

@@ -113,6 +113,7 @@ def test_nothing_is_written_while_no_take_is_open(session, tmp_path):
 def test_a_take_tells_how_much_it_has_and_takes_in_what_is_told_meanwhile(session, tmp_path):
     takes = session()
     assert (takes.recording, takes.message_count, takes.size, takes.topic_count) == (False, 0, 0, 2)
+    assert (takes.written, takes.lost, takes.waiting) == (0, {}, 0)
     assert takes.directory == takes.start() == takes.start() == tmp_path / "bag"
     begun = takes.size
     assert takes.add_topic("/odd", "nobodys_msgs/msg/Odd", offers(), "") is False  # nobody knows its type
