@@ -7,11 +7,13 @@ import pytest
 import yaml
 from mcap.opcode import Opcode
 from mcap.reader import make_reader
+from mcap.records import Channel, Message, Schema
 from mcap.writer import CompressionType, Writer
 
 from forest_bag.recovery import bag_recovery
 from forest_bag.recovery.bag_recovery import recover
 from forest_bag.storage.bag_files import BagError, bag_files
+from forest_bag.storage.mcap_file import McapFile
 from forest_bag.storage.mcap_records import HEAD, MAGIC, records
 from forest_bag.write.bag_split import Attached, Layout
 from forest_bag.write.bag_writer import BagWriter
@@ -286,6 +288,65 @@ def test_gaps_in_the_publishers_count_are_told_as_losses_and_old_metadata_is_mad
 def test_profiles_that_make_no_sense_are_none(text):
     assert bag_recovery._profiles(text) == []
     assert bag_recovery._profiles("- depth: 1") == [{"depth": 1}]
+
+
+def rosbag2_counts(file):
+    """What a recovered file itself tells of its topics."""
+    with file.open("rb") as stream:
+        told = next(m.metadata for m in make_reader(stream).iter_metadata() if m.name == "rosbag2")
+    about = yaml.safe_load(told["serialized_metadata"])
+    return {t["topic_metadata"]["name"]: t["message_count"] for t in about["topics_with_message_count"]}
+
+
+def test_each_file_tells_its_own_messages_of_every_topic_so_far(tmp_path):
+    for name, count in (("a", 3), ("b", 2)):
+        bag = BagWriter(tmp_path / name)
+        bag.add_topic(f"/{name}", "std_msgs/msg/Float64", [QOS], "")
+        for step in range(count):
+            bag.write(f"/{name}", ONE, step, step, step + 1)
+        bag.close()
+    recover([tmp_path / name / f"{name}_0.mcap" for name in "ab"], tmp_path / "out")
+    assert rosbag2_counts(tmp_path / "out" / "out_0.mcap") == {"/a": 3}
+    assert rosbag2_counts(tmp_path / "out" / "out_1.mcap") == {"/a": 0, "/b": 2}
+
+
+def test_messages_of_a_channel_that_nothing_tells_about_are_counted_and_left_out(tmp_path):
+    out, recovered = McapFile(tmp_path / "out.mcap"), bag_recovery.Recovered()
+    copy = bag_recovery._Copy(out, recovered)
+    for record in (
+        Schema(id=3, data=b"float64 data", encoding="ros2msg", name="std_msgs/msg/Float64"),
+        Channel(id=5, topic="/a", message_encoding="cdr", metadata={}, schema_id=3),
+        Channel(id=6, topic="/b", message_encoding="cdr", metadata={}, schema_id=4),  # of no schema
+        *(Message(channel, 1, ONE, 2, 3) for channel in (5, 6, 7, 5)),
+        Schema(id=3, data=b"another", encoding="ros2msg", name="pkg/msg/Another"),  # the first counts
+        Channel(id=5, topic="/c", message_encoding="cdr", metadata={}, schema_id=3),
+        Message(5, 4, ONE, 5, 6),
+    ):
+        copy.take(record)
+    out.finish()
+    assert (recovered.messages, recovered.nameless) == (3, 2)
+    assert [(offer.name, offer.type, count) for offer, count in copy.counts.items()] == [
+        ("/a", "std_msgs/msg/Float64", 3)
+    ]
+    with (tmp_path / "out.mcap").open("rb") as stream:
+        found = [
+            (c.topic, m.log_time, m.publish_time, m.sequence)
+            for _, c, m in make_reader(stream).iter_messages()
+        ]
+    assert found == [("/a", 1, 2, 3), ("/a", 1, 2, 3), ("/a", 4, 5, 6)]
+
+
+def test_chunks_of_a_recovered_file_are_of_a_mebibyte(tmp_path):
+    bag = BagWriter(tmp_path / "bag", Layout("none"))
+    bag.add_topic("/large", "nobodys_msgs/msg/Large", [QOS], "")
+    for step in range(5):
+        bag.write("/large", bytes(500_000), step, step, step + 1)
+    bag.close()
+    recover(bag_files(tmp_path / "bag"), tmp_path / "out")
+    with (tmp_path / "out" / "out_0.mcap").open("rb") as stream:
+        summary = make_reader(stream).get_summary()
+    assert [chunk.uncompressed_size > 1 << 20 for chunk in summary.chunk_indexes] == [True, False]
+    assert summary.chunk_indexes[0].compression == "zstd"
 
 
 def test_a_topic_without_a_schema_recovers_with_the_others(tmp_path):

@@ -10,6 +10,7 @@ from forest_description.machine import load_machine
 from forest_ident.measurements.session import Session, SessionError
 from forest_ident.refinement import experiment_check
 from forest_ident.refinement.experiment_check import AGAINST, demand, demand_machine
+from forest_ident.refinement.identification import identify
 
 C180 = load_machine("c180_hoses")
 
@@ -199,3 +200,11 @@ def test_a_thermocouple_in_degrees_celsius_is_named():
         SessionError, match=r"pump_temperature reads 40 \.\. 40 K; .* is it in degrees Celsius"
     ):
         demand(C180, of_a_valves_rig(pump_temperature=np.full(100, 40.0)))
+
+
+def test_an_identification_begins_with_these_checks():
+    with pytest.raises(SessionError, match="damping_boom: the record drives stick; allowed: only boom"):
+        identify(C180, [record("damping_boom", (2,))], refine=False)
+    with pytest.raises(SessionError, match=r"boom goes from 0.20 to 1.40 rad; allowed on c180_hoses"):
+        identify(C180, [of_a_crane(turned=0.5)], refine=False)
+    assert identify(C180, [of_a_crane()], refine=False).held_out[0].name == "validation"

@@ -138,7 +138,9 @@ def test_tables_are_in_the_files_order_and_of_inertias_the_start_is_one():
 def test_what_a_linear_estimator_or_a_stated_number_tells_is_not_missing():
     found = Result(C180, C180)
     missing = dict(result.unidentified(found))
-    assert {"pump.supply_pressure", "valve.deadband_voltage", "boom.damping", "hose.inertance"} <= set(missing)
+    assert {"pump.supply_pressure", "valve.deadband_voltage", "boom.damping", "hose.inertance"} <= set(
+        missing
+    )
     assert {"hose.turbulent_resistance", "hose.laminar_resistance", *result.LEAKAGE} <= set(missing)
     found.linear = [estimate("boom.damping")]
     found.told = {"manipulator.stick_mass": estimate("manipulator.stick_mass")}
