@@ -67,7 +67,9 @@ def test_what_was_written_is_forced_to_the_disk_once_and_a_broken_disk_is_told(
     forced = []
     monkeypatch.setattr(append_file.os, "fdatasync", forced.append)
     file = AppendFile(tmp_path / "a", durable=True)
-    file.sync_soon()  # nothing to force
+    with monkeypatch.context() as asked:
+        asked.setattr(file._syncer, "request", lambda: pytest.fail("there is nothing to force"))
+        file.sync_soon()
     file.append(b"x")
     file.sync_soon()
     wait_until(lambda: forced)
