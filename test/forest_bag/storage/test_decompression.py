@@ -4,8 +4,9 @@ import lz4.frame
 import pytest
 import zstandard
 
-from forest_bag.storage import decompression
+from forest_bag.storage import decompression, mcap_reader, sqlite_reader
 from forest_bag.storage.decompression import unlz4, unzstd, unzstd_file
+from forest_bag.write import bag_split, bag_writer
 
 TEXT = bytes(range(250)) * 4
 PACKED = {unzstd: zstandard.compress(TEXT), unlz4: lz4.frame.compress(TEXT)}
@@ -25,6 +26,15 @@ def test_as_many_bytes_as_are_allowed_are_given_back_and_one_more_is_refused(unp
 def test_bounds_are_256_mib_1_gib_and_a_hundredfold():
     d = decompression
     assert (d.LARGEST, d.LARGEST_FILE, d.MOST) == (2**28, 2**30, 100)
+
+
+def test_pieces_are_of_16_mib_or_2000_messages_of_a_database_and_of_a_mebibyte_of_loose_messages():
+    assert (sqlite_reader.BYTES, sqlite_reader.MESSAGES, mcap_reader.LOOSE_BYTES) == (2**24, 2000, 2**20)
+
+
+def test_a_recorder_flushes_ten_times_a_second_and_a_file_has_three_hours_of_that():
+    assert (bag_writer.FLUSH_PERIOD_S, bag_writer.CHUNKS_PER_FILE) == (0.1, 100_000)
+    assert bag_split.ONE_FILE == ("zstd", 0, 0, 65_536, False, "mcap", True)
 
 
 @pytest.mark.parametrize(("largest", "times", "fits"), [(1000, 0, True), (999, 0, False), (0, 30, True)])

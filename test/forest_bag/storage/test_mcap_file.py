@@ -15,6 +15,7 @@ from mcap.stream_reader import StreamReader, breakup_chunk
 from forest_bag.read.bag_reader import BagReader
 from forest_bag.storage.mcap_chunk import COMPRESSIONS, OpenChunk
 from forest_bag.storage.mcap_file import McapFile
+from forest_bag.storage.mcap_records import footer
 from forest_bag.storage.metadata import FileEntry
 from forest_bag.storage.raw_messages import Damaged
 
@@ -209,6 +210,21 @@ def test_an_open_chunk_has_the_size_of_its_records_and_of_their_index():
     assert number(sealed.records, 9 + 16, 8) == file_size
 
 
+def test_a_growing_file_counts_what_is_to_come_with_it(tmp_path):
+    """The open chunk as it is, a kibibyte for the end, and definitions, which stand in the summary again."""
+    file = McapFile(tmp_path / "a.mcap")
+    begun = (tmp_path / "a.mcap").stat().st_size
+    assert file.size == begun + 1024
+    channel = file.add_channel("/a", file.add_schema("pkg/msg/A", "ros2msg", bytes(1000)), {})
+    defined = (tmp_path / "a.mcap").stat().st_size - begun
+    assert file.size == begun + 3 * defined + 1024
+    file.add_message(channel, 5, bytes(100), 5, 1)
+    assert file.size == begun + 3 * defined + 1024 + 9 + 22 + 16 + 100
+    file.flush()
+    assert file.size == (tmp_path / "a.mcap").stat().st_size + 2 * defined + 1024 + 87  # of the chunk's index
+    file.finish()
+
+
 def test_a_chunk_is_written_when_it_is_as_large_as_is_allowed(tmp_path):
     file = McapFile(tmp_path / "a.mcap", chunk_bytes=2 * (9 + 22 + 16))
     channel = file.add_channel("/a", file.add_schema("pkg/msg/A", "ros2msg", b""), {})
@@ -297,6 +313,28 @@ def test_the_space_held_for_the_summary_lets_a_file_on_a_full_disk_end_well(tmp_
         file.finish()
     with (tmp_path / "a.mcap").open("rb") as stream:
         assert make_reader(stream).get_summary().statistics.message_count == 50
+
+
+def test_where_a_summary_does_not_fit_a_file_ends_well_without_one(tmp_path, monkeypatch):
+    file = written(tmp_path / "a.mcap", 50)
+    file.flush()
+    append = file._file.append
+
+    def nearly_full(piece):
+        if len(piece) > 100:
+            raise OSError(errno.ENOSPC, "No space left on device")
+        append(piece)
+
+    monkeypatch.setattr(file._file, "append", nearly_full)
+    file.finish()
+    data = (tmp_path / "a.mcap").read_bytes()
+    end = len(data) - 8 - 29
+    assert footer(data) == (end, end, 0)  # no summary, and no checksum of one
+    assert data[end - 13] == 0x0F
+    with (tmp_path / "a.mcap").open("rb") as stream:
+        assert sum(1 for _ in NonSeekingReader(stream).iter_messages(log_time_order=False)) == 50
+    with BagReader(tmp_path / "a.mcap") as bag:
+        assert sum(1 for _ in bag.messages()) == 50
 
 
 def test_the_space_held_grows_with_all_that_the_summary_repeats(tmp_path, monkeypatch):

@@ -1,7 +1,10 @@
 """What an SQLite file of ours holds, by SQLite itself."""
 
 import contextlib
+import os
 import sqlite3
+
+import pytest
 
 from forest_bag.storage.metadata import FileEntry
 from forest_bag.storage.sqlite_file import SqliteFile
@@ -43,3 +46,20 @@ def test_a_file_holds_topics_definitions_messages_and_their_size(tmp_path):
         ]
         assert rows("messages") == [(1, 2, 30, b"abc"), (2, 1, 10, b""), (3, 2, 20, b"z")]
         assert rows("metadata") == [(1, 9, "version: 9\n")]
+        assert rows("schema") == [(4, os.environ.get("ROS_DISTRO", "jazzy"))]
+
+
+def test_a_file_that_exists_is_left_alone_and_a_full_disk_closes_one(tmp_path, monkeypatch):
+    (tmp_path / "a.db3").write_bytes(b"mine")
+    with pytest.raises(FileExistsError):
+        SqliteFile(tmp_path / "a.db3")
+    assert (tmp_path / "a.db3").read_bytes() == b"mine"
+    file = SqliteFile(tmp_path / "b.db3")
+    assert (file.size, file.chunks, file.finished) == (0, 0, False)
+    assert file.entry == FileEntry("b.db3", 0, 0, 0)
+    file._database.execute("ROLLBACK")  # as after an error of the disk: nothing is left to commit
+    with pytest.raises(OSError, match=r"b\.db3: cannot commit"):
+        file.finish()
+    assert file.finished
+    with pytest.raises(sqlite3.ProgrammingError, match="closed"):
+        file._database.execute("SELECT 1")

@@ -39,7 +39,10 @@ def test_parameters_factors_offsets_tilt_and_start_go_where_they_belong(monkeypa
         "boom.damping": 2e5,
         "boom.inertia": 1.1,
         "tilt": 0.02,
-        "swing.angle": 1e-3, "boom.angle": 2e-3, "stick.angle": 3e-3, "oil.offset": 0.5,
+        "swing.angle": 1e-3,
+        "boom.angle": 2e-3,
+        "stick.angle": 3e-3,
+        "oil.offset": 0.5,
         "start.boom_resolver.motor_internal": 4e-3,
         "start.swing_pressure_1_actuator.motor_internal": 5e3,
     }
