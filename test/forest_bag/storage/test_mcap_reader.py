@@ -88,6 +88,20 @@ def test_a_file_without_its_end_says_so_and_a_whole_one_nothing(tmp_path):
         reader.close()
 
 
+@pytest.mark.parametrize("is_cut", [False, True])
+def test_a_damaged_attachment_is_told_and_the_file_is_not_complete(tmp_path, is_cut):
+    path = written(tmp_path / "whole.mcap")
+    path = cut(path) if is_cut else path
+    data = path.read_bytes()
+    at = next(begin - 9 for opcode, begin, _ in records(data, 8) if opcode == Opcode.ATTACHMENT)
+    path.write_bytes(data.replace(b"name: c180", b"name: c181"))
+    reader = McapPieces(path, path)
+    assert reader.problems == [f"a record at byte {at} is damaged: the attachment's checksum is wrong"]
+    assert (reader.complete, reader.attachments) == (False, [])
+    assert len(reader.pieces) == len(TIMES)
+    reader.close()
+
+
 def test_the_checksum_of_the_data_section_is_tested_where_a_writer_kept_one(tmp_path):
     for name, options in (("with", {"enable_data_crcs": True}), ("without", {"enable_data_crcs": False})):
         path = written(tmp_path / f"{name}.mcap", use_chunking=False, **options)
