@@ -53,6 +53,7 @@ def test_what_cannot_be_told_says_which_motion_would():
 def test_a_voltage_is_loose_by_volts_and_all_else_by_its_share():
     assert [is_loose(10.0, 1.9, positive) for positive in (True, False)] == [False, True]
     assert [is_loose(-0.1, error, positive=True) for error in (0.019, 0.021)] == [False, True]
+    assert [is_loose(10.0, error, positive=False) for error in (0.19, 0.21)] == [False, True]
     assert is_loose(math.nan, 0.0, positive=False)
     assert is_loose(1.0, math.nan, positive=True)
     assert [is_positive(key) for key in ("valve.deadband_voltage", "swing.damping")] == [False, True]
