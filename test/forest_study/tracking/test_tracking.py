@@ -16,6 +16,7 @@ from forest_control.taught.tip_path import PathError, fastest, is_closed, polyli
 from forest_description.machine import load_machine
 from forest_msgs_py.types import PERIOD
 from forest_study import cli
+from forest_study.tracking import track_command
 from forest_study.tracking.paths import NAMES, path_named
 from forest_study.tracking.tracking import noisy, plan, track
 
@@ -256,3 +257,21 @@ def test_the_command_adapts_and_tells_every_lap(tmp_path, capsys):
     assert report["adapt"] is True
     assert len(report["runs"][0]["laps"]) == 3
     assert "| way, lap 3 |" in capsys.readouterr().out
+
+
+def test_a_path_that_is_not_finished_leaves_the_others(tmp_path, capsys, monkeypatch):
+    """With a head of 2.5 t the boom lifts nothing."""
+    monkeypatch.setattr(track_command, "NAMES", ("vertical", "radial"))
+    machine = tmp_path / "heavy.yaml"
+    mass = "head_mass: {value: 2500, unit: kg, source: drawn}"
+    machine.write_text(f"name: heavy\nbased_on: c180\nmanipulator: {{{mass}}}\n")
+    out = tmp_path / "out"
+    assert (
+        cli.main(["track", "--path", "all", "--machine", str(machine), "--speed", "1", "--out", str(out)])
+        == 1
+    )
+    told = capsys.readouterr()
+    assert "| radial |" in told.out
+    assert "vertical: after 6 times the profile's time the tip is" in told.err
+    assert "m from the end: a limit of the controller holds it" in told.err
+    assert {run["path"] for run in json.loads((out / "track.json").read_text())["runs"]} == {"radial"}

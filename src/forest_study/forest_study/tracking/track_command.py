@@ -14,7 +14,7 @@ from forest_bringup.profile_choice import add_profile_option
 from forest_control.config.profile_file import with_gains_of
 from forest_control.servo.joint_angle_filter import Source
 from forest_control.servo.schemes import LABELS, scheme_named
-from forest_control.taught.tip_path import TipPath
+from forest_control.taught.tip_path import PathError, TipPath
 from forest_control.valve.unlearnt_valves import told
 from forest_description.machine import Machine, load_machine
 from forest_msgs_py.runtime.command_line import number, whole
@@ -90,12 +90,16 @@ def run(options: argparse.Namespace) -> int:
     model = load_machine(options.model) if options.model else machine
     paths = [path_named(name) for name in (NAMES if options.path == "all" else (options.path,))]
     new_directory(options.out)
-    report = _run_all(paths, machine, model, options)
+    report, failed = _run_all(paths, machine, model, options)
+    if len(failed) == len(paths):
+        raise PathError("; ".join(failed))
     write_json(options.out / "track.json", report)
     print(table(report))
     if options.adapt and (unlearnt := told(model)):
         print(f"  --adapt learns nothing at {unlearnt}")
     print(f"  {options.out / 'track.json'}")
+    if failed:
+        raise PathError("; ".join(failed))
     if options.through_ros:
         _judge(report["runs"])
     return 0
@@ -117,8 +121,8 @@ def _judge(runs: list[dict[str, Any]]) -> None:
 
 def _run_all(
     paths: list[TipPath], machine: Machine, model: Machine, options: argparse.Namespace
-) -> dict[str, Any]:
-    """Return the report of every path and seed, and draw every path's first run."""
+) -> tuple[dict[str, Any], list[str]]:
+    """Return the report of every path and seed, and why paths are not in it; draw every path's first run."""
     from forest_study.tracking.track_plot import draw, draw_runs  # matplotlib takes half a second
 
     report: dict[str, Any] = {
@@ -137,12 +141,17 @@ def _run_all(
     }
     seeds = range(options.seed, options.seed + options.runs)
     scheme, source = scheme_named(options.scheme), Source[options.position_source.upper()]
+    failed = []
     for path in paths:
-        course = prepare(path, options.speed, scheme, model, options.laps, source)
-        if options.profile:
-            course = course._replace(settings=with_gains_of(course.settings, options.profile))
-        varied = partial(_varied, machine, options)
-        runs, session = run_many(course, machine, seeds, varied, options.adapt)
+        try:
+            course = prepare(path, options.speed, scheme, model, options.laps, source)
+            if options.profile:
+                course = course._replace(settings=with_gains_of(course.settings, options.profile))
+            varied = partial(_varied, machine, options)
+            runs, session = run_many(course, machine, seeds, varied, options.adapt)
+        except PathError as error:
+            failed.append(str(error))
+            continue
         compared: list[dict[str, Any]] = [{}] * len(runs)
         if options.through_ros:
             runs, session, compared = _through_ros(course, machine, seeds, varied, options)
@@ -151,7 +160,7 @@ def _run_all(
         draw(session, options.out / f"{path.name}.png")
     if options.runs > 1:
         draw_runs(report, options.out / "runs.png")
-    return report
+    return report, failed
 
 
 def _through_ros(

@@ -35,6 +35,7 @@ from forest_study.measures import ideal
 from forest_study.tracking.scores import Drawn, Lap, Score, drawn, scores_of
 
 REST = 1.0  # [s] before the first lap and after every lap
+LATELY = 1.0  # [s] at the end of a run that took too long, by which it is told what holds it
 LONGEST = 1.1, 6.0  # times the profile's time that a run may take, tried one after the other
 
 
@@ -153,10 +154,18 @@ def follow(
             led = compiled_loop.interpreted(machine, rows, *given).lead(course.places, course.hand)
         if len(led.clock) < rows:
             return scored(course, led, machine)
-    path = course.drawn[0].lap.path.name
-    blind = course.model.capacity is not None and machine.sensors.pressure is None
-    why = ": without sensors.pressure the load chart allows only motions that unload" if blind else ""
-    raise PathError(f"{path}: after {most:g} times the profile's time the tip is not at the end{why}")
+    raise PathError(f"{course.drawn[0].lap.path.name}: {_unfinished(course, led, machine)}")
+
+
+def _unfinished(course: Course, led: Led, machine: Machine) -> str:
+    """Return how far a run has come that took too long, and why."""
+    path, late = course.drawn[-1].lap.path, round(LATELY / PERIOD)
+    left = math.dist(led.moved.tip[-1], path.at(path.length))
+    said = f"after {LONGEST[-1]:g} times the profile's time the tip is {left:.2f} m from the end"
+    if course.model.capacity is not None and machine.sensors.pressure is None:
+        return f"{said}: without sensors.pressure the load chart allows only motions that unload"
+    stands = not np.any(led.moved.tip_wish[-late:])
+    return f"{said}: {'a limit of the controller holds it' if stands else 'it is still on its way'}"
 
 
 def scored(course: Course, led: Led, machine: Machine) -> Session:
