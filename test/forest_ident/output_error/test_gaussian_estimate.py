@@ -4,7 +4,9 @@ import pytest
 from forest_ident.output_error.gaussian_estimate import (
     EMPTY,
     GaussianEstimate,
+    condition_number,
     covariance_of,
+    inflation,
     inverse,
     prior_information,
     updated,
@@ -70,3 +72,53 @@ def test_a_later_estimate_is_taken_for_some_names_and_for_what_is_new():
     assert found.covariance.tolist() == [[4.0, 0.0, 0.0], [0.0, 0.2, 0.05], [0.0, 0.05, 0.3]]
     assert found.moves(("rig", "free", "new"), 1).tolist() == [[0.0], [6.0], [7.0]]
     assert before.taken(later._replace(slopes=None), ["free"]).slopes is None
+
+
+def test_scatter_beyond_chance_widens_a_variance_the_more_blocks_show_it():
+    """F = 3 of 8 blocks: d = 2, chance 4 * 2/8, 1 + 8/(4 + 1); no scatter below one counts."""
+    white, scores = np.ones((8, 3)), np.zeros((8, 3))
+    scores[:, 0], scores[:, 1], scores[0, 2] = np.sqrt(3.0), 0.5, np.sqrt(24.0)
+    assert inflation(scores, white) == pytest.approx([2.6, 1.0, 2.6])
+    alone = np.zeros((8, 3))
+    alone[0] = 8.0  # one block holds all: its scatter shows hardly anything
+    assert inflation(scores, alone)[0] == pytest.approx(1.0 + 8.0 / (4.0 + 8.0))
+    assert inflation(np.zeros((4, 1)), np.zeros((4, 1))).tolist() == [1.0]
+
+
+def test_a_condition_number_is_that_of_columns_of_length_one():
+    information = np.array([[1.0, 0.8], [0.8, 1.0]])
+    assert condition_number(information) == pytest.approx(3.0)  # eigenvalues 1.8 and 0.2
+    units = np.diag([1e6, 1e-3])
+    assert condition_number(units @ information @ units) == pytest.approx(3.0)
+    assert condition_number(np.eye(1)) == 1.0
+    for blind in (
+        np.zeros((0, 0)),
+        np.diag([1.0, 0.0]),
+        np.array([[1.0, 1.0], [1.0, 1.0]]) - 1e-3 * np.eye(2),
+    ):
+        assert condition_number(blind) == np.inf
+
+
+def test_names_tell_mean_deviation_moves_and_value():
+    known = GaussianEstimate(
+        ("a", "b"), np.array([2.0, 600.0]), np.diag([9.0, -1e-20]), np.array([[1.0], [2.0]])
+    )
+    assert (known.of("a"), known.of("b")) == ((2.0, 3.0), (600.0, 0.0))
+    assert known.value("a", positive=True) == pytest.approx(np.exp(2.0))
+    assert known.value("a", positive=False) == 2.0
+    assert known.value("b", positive=True) == pytest.approx(np.exp(500.0))
+    assert known.moves(("b", "c", "a"), 1).tolist() == [[2.0], [0.0], [1.0]]
+    assert known._replace(slopes=None).moves(("a",), 2).tolist() == [[0.0, 0.0]]
+    left = known.without("a", "c")
+    assert (left.names, left.mean.tolist(), left.slopes.tolist()) == (("b",), [600.0], [[2.0]])
+
+
+def test_what_is_owed_is_the_share_that_goes_if_others_were_exact():
+    rows = np.array([[4.0, 1.0, 0.0], [1.0, 1.0, 0.0], [0.0, 0.0, 9.0]])
+    known = GaussianEstimate(("a", "b", "c"), np.zeros(3), rows)
+    assert known.owed("a", {"b"}) == pytest.approx(1.0 / 4.0)
+    assert known.owed("a", {"b", "c", "d"}) == pytest.approx(1.0 / 4.0)
+    assert known.owed("a", {"c"}) == 0.0
+    assert known.owed("b", {"b"}) == pytest.approx(1.0)
+    moved = known._replace(slopes=np.array([[2.0], [0.0], [0.0]]))
+    assert moved.owed("a", {"b"}) == pytest.approx(1.0 / 8.0)

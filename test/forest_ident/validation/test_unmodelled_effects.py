@@ -1,11 +1,14 @@
 import json
 import math
 
+import numpy as np
 import pytest
 
 from forest_description.machine import load_machine
 from forest_ident.cli.verbs import main
+from forest_ident.measurements.session import Session, SessionError
 from forest_ident.validation import unmodelled_effects
+from forest_ident.validation.prediction_error import Signal
 
 
 @pytest.fixture(scope="module")
@@ -74,3 +77,65 @@ def test_the_verb_leaves_numbers_and_a_picture(tmp_path, capsys, monkeypatch):
     assert "| stick |" in capsys.readouterr().out
     assert main(["questions", "--out", str(out)]) == 1
     assert "exists already" in capsys.readouterr().err
+
+
+def test_each_case_lacks_one_effect_of_its_size():
+    machine = load_machine("c180_hoses")
+    cases = {c.name: c for c in unmodelled_effects.cases(machine)}
+    assert [(name, c.refit) for name, c in cases.items()] == [
+        ("none", False),
+        ("areas", False),
+        ("return_edge", False),
+        ("edge_and_damping", True),
+        ("seals", False),
+        ("pendulum", False),
+    ]
+    assert cases["none"].crane == cases["none"].model == machine
+    boom = cases["areas"].model.boom
+    assert boom.rod_area == pytest.approx(0.5 * (machine.boom.head_area + machine.boom.rod_area))
+    assert boom.head_area == pytest.approx(boom.rod_area, rel=1e-5)
+    for name in ("return_edge", "edge_and_damping"):
+        assert cases[name].crane.valve.port_2_area == pytest.approx(0.9 * machine.valve.port_2_area)
+        assert cases[name].model == machine
+    for axis in ("boom", "stick"):
+        seals, head = getattr(cases["seals"].crane, axis).friction, getattr(machine, axis).head_area
+        assert (seals.coulomb_force, seals.breakaway_force) == pytest.approx((1.5e5 * head, 2.25e5 * head))
+        assert (seals.stribeck_speed, seals.smoothing_speed) == (0.012, 0.002)
+    rubbing = load_machine("loader")
+    more = unmodelled_effects._with_seals(rubbing).boom.friction
+    assert more.coulomb_force - rubbing.boom.friction.coulomb_force == pytest.approx(
+        1.5e5 * rubbing.boom.head_area
+    )
+    hanging = cases["pendulum"].crane.manipulator.pendulum
+    assert (hanging.length, hanging.inertia, hanging.damping) == (0.9, 60.0, 250.0)
+
+
+def test_scores_are_of_the_port_that_drives_and_of_the_one_that_returns_by_the_way_the_valve_is_open():
+    machine, rows = load_machine("c180_hoses"), 4
+    edge = machine.valve.law
+    volts = np.zeros((rows, 3))
+    volts[:, 1] = (
+        edge.forward.deadband_voltage + 0.01,
+        edge.forward.deadband_voltage - 0.01,
+        -edge.backward.deadband_voltage - 0.01,
+        -edge.backward.deadband_voltage + 0.01,
+    )
+    session = Session("validation", np.arange(rows) * 0.005, volts, {})
+    one, two = np.array([10.0, 0.0, 20.0, 0.0]), np.array([30.0, 0.0, 50.0, 0.0])
+    signals = [
+        Signal("boom", "angle", "rad", np.array([0.0, 1.0, 2.0, 4.0]), np.array([0.0, 1.0, 2.0, 6.0])),
+        Signal("boom", "pressure 1", "Pa", one, one - np.array([1.0, 9.0, 2.0, 9.0])),
+        Signal("boom", "pressure 2", "Pa", two, two - np.array([3.0, 9.0, 4.0, 9.0])),
+    ]
+    found = {(s.signal, s.way): (s.rms, s.span) for s in unmodelled_effects.scores(machine, session, signals)}
+    assert found == {
+        ("angle", "both"): (1.0, 4.0),
+        ("driving", "both"): (pytest.approx(math.sqrt((1.0 + 16.0) / 2.0)), 40.0),
+        ("return", "both"): (pytest.approx(math.sqrt((9.0 + 4.0) / 2.0)), 10.0),
+        ("driving", "out"): (1.0, 0.0),
+        ("driving", "in"): (4.0, 0.0),
+        ("return", "out"): (3.0, 0.0),
+        ("return", "in"): (2.0, 0.0),
+    }
+    with pytest.raises(SessionError, match="the questions need pressures at both ports of the boom"):
+        unmodelled_effects.scores(machine, session, signals[:2])
