@@ -7,9 +7,9 @@ import pytest
 
 from forest_description.machine import load_machine
 from forest_ident.driving.simulated_experiment import experiment
+from forest_ident.measurements.session import Session
 from forest_ident.model_choice import residual_patterns
 from forest_ident.model_choice.candidates import CANDIDATES
-from forest_ident.measurements.session import Session
 from forest_ident.output_error.fit_problem import Fit
 from forest_ident.output_error.gaussian_estimate import EMPTY
 from forest_ident.output_error.residual_test import ResidualTest
@@ -71,7 +71,7 @@ def test_a_number_is_moved_by_a_hundredth_and_zero_by_0_01():
 
 
 def left(times, ranked, monkeypatch):
-    """The findings of records that are so many times above their noise, of which each looks like something."""
+    """What is named of a record so many times above its noise, and how far it is above."""
     tests = [ResidualTest("boom_resolver", 1.0, t, 100, 0.0) for t in times]
     session = Session("damping_boom", np.arange(3.0), np.zeros((3, 3)), {})
     record = Refined(session, Fit({}, {}, 1.0, EMPTY, {}, {}, 1, {}), (), tests)
