@@ -265,13 +265,16 @@ def test_gaps_in_the_publishers_count_are_told_as_losses_and_old_metadata_is_mad
     bag.note("versions", {"python": "3"})
     bag.attach(Attached("machine.yaml", "application/yaml", b"name: c180", 5))
     bag.close()
-    recovered = recover(bag_files(tmp_path / "bag"), tmp_path / "out")
+    recovered = recover(bag_files(tmp_path / "bag"), tmp_path / "no" / "such" / "out")
     assert (recovered.messages, recovered.nameless) == (6, 0)
+    (tmp_path / "no" / "such" / "out").rename(tmp_path / "out")
     assert {name: gaps.lost for name, gaps in recovered.topics.items()} == {"/a": 2, "/b": 0}
     about = yaml.safe_load((tmp_path / "out" / "metadata.yaml").read_text())["rosbag2_bagfile_information"]
     assert about["custom_data"] == {"lost_messages": "2", "lost_messages:/a": "2", "lost_messages:/b": "0"}
     assert [topic["message_count"] for topic in about["topics_with_message_count"]] == [4, 2]
     assert about["topics_with_message_count"][0]["topic_metadata"]["type_description_hash"] == "RIHS01_0"
+    with pytest.raises(FileExistsError):
+        recover(bag_files(tmp_path / "bag"), tmp_path / "out")
     with (tmp_path / "out" / "out_0.mcap").open("rb") as stream:
         reader = make_reader(stream)
         assert reader.get_header().library == "forest_msgs_py recovery"
