@@ -60,16 +60,36 @@ def test_a_direction_that_nobody_sees_is_unknown():
     assert covariance_of(whole) == pytest.approx(np.diag([0.25, 1e14]))
 
 
+def test_a_record_that_tells_the_same_again_makes_nothing_surer():
+    """A rig tells k, a record k + n, and k stays: a second record of k + n tells nothing more of n."""
+    rig = updated(EMPTY, ("k",), np.array([0.3]), np.array([[1.0]]))
+    for _ in range(2):
+        mean, known = prior_information(rig, ("k", "n"), np.zeros(2), np.full(2, np.inf))
+        covariance = inverse(1e4 * np.ones((2, 2)) + known)
+        found = covariance @ (1e4 * np.full(2, 2.0) + known @ mean)
+        rig = rig.taken(updated(rig, ("k", "n"), found, covariance), ["n"])
+    assert rig.of("k") == pytest.approx((0.3, 1.0))
+    assert rig.of("n") == pytest.approx((1.7, 1.0), rel=1e-3)
+
+
+def test_what_a_later_estimate_is_less_sure_of_makes_no_covariance_that_is_none():
+    before = GaussianEstimate(("a", "b"), np.zeros(2), np.diag([1.0, 4.0]))
+    wide = np.array([[9.0, 0.0, 5.8], [0.0, 1.0, 0.0], [5.8, 0.0, 4.0]])
+    found = before.taken(GaussianEstimate(("a", "b", "new"), np.zeros(3), wide), [])
+    assert np.linalg.eigvalsh(found.covariance).min() > 0.0
+    assert np.diag(found.covariance).tolist() == pytest.approx([9.0, 4.0, 4.0])
+
+
 def test_a_later_estimate_is_taken_for_some_names_and_for_what_is_new():
     before = GaussianEstimate(("rig", "free"), np.array([1.0, 2.0]), np.array([[4.0, 1.0], [1.0, 9.0]]))
-    covariance = np.array([[0.1, 0.0, 0.0], [0.0, 0.2, 0.05], [0.0, 0.05, 0.3]])
+    covariance = np.array([[0.1, 0.0, 0.05], [0.0, 0.2, 0.05], [0.05, 0.05, 0.3]])
     later = GaussianEstimate(
         ("rig", "free", "new"), np.array([1.5, 2.5, 3.5]), covariance, np.array([[5.0], [6.0], [7.0]])
     )
     found = before.taken(later, ["free"])
     assert found.names == ("rig", "free", "new")
     assert found.mean.tolist() == [1.0, 2.5, 3.5]
-    assert found.covariance.tolist() == [[4.0, 0.0, 0.0], [0.0, 0.2, 0.05], [0.0, 0.05, 0.3]]
+    np.testing.assert_allclose(found.covariance, [[4.0, 0.0, 0.05], [0.0, 0.2, 0.05], [0.05, 0.05, 0.3]])
     assert found.moves(("rig", "free", "new"), 1).tolist() == [[0.0], [6.0], [7.0]]
     assert before.taken(later._replace(slopes=None), ["free"]).slopes is None
 

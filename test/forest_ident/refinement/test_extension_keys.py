@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from forest_description.machine import load_machine
-from forest_ident.estimators.parameter_estimate import EXCITATION
+from forest_ident.estimators.parameter_estimate import EXCITATION, excitation_for
 from forest_ident.measurements.session import Session
 from forest_ident.refinement import extension_keys
 from forest_ident.refinement.refinement_task import task
@@ -15,7 +15,7 @@ def test_a_plain_crane_has_none():
     plain = load_machine("c180_hoses")
     for kind in ("damping", "spool", "valve", "gravity"):
         assert extension_keys.told_by(plain, kind, "boom", "valve") == ()
-        assert extension_keys.felt_by(plain, kind, ("swing", "boom", "stick")) == ()
+        assert extension_keys.felt_by(plain, kind, ("swing", "boom", "stick"), "valve") == ()
     assert extension_keys.of_machine(plain) == ()
 
 
@@ -55,8 +55,10 @@ def test_what_a_record_feels_goes_along_though_another_tells_it():
         assert felt in work.carried
         assert not set(work.carried) & set(work.free)
     leaking = load_machine("loader")
-    assert "swing.valve.leakage_conductance" in extension_keys.felt_by(leaking, "motor", ("swing",))
-    assert set(extension_keys.felt_by(built, "hose", ())) == {"oil.air.share"}
+    assert "swing.valve.leakage_conductance" in extension_keys.felt_by(
+        leaking, "motor", ("swing",), "swing.valve"
+    )
+    assert set(extension_keys.felt_by(built, "hose", (), "valve")) == {"oil.air.share"}
 
 
 def test_a_dead_time_is_known_to_no_less_than_the_simulators_rounding():
@@ -66,7 +68,8 @@ def test_a_dead_time_is_known_to_no_less_than_the_simulators_rounding():
 
 
 def test_every_number_names_the_motion_that_tells_it():
-    assert {name.rpartition(".")[2] for name in (*extension_keys.NAMES, *UNTOLD)} <= set(EXCITATION)
+    for key in (*extension_keys.NAMES, *UNTOLD):
+        assert excitation_for(key) in EXCITATION.values()
 
 
 def test_what_no_record_tells_is_said_with_the_motion_that_would():

@@ -32,7 +32,7 @@ DRAWN = (
     *("internal_leakage_resistance", "external_leakage_resistance", "damping"),
 )
 BY_DIRECTION = DRAWN[:2]
-UNTOLD = (".holding_", ".compensator.")  # valves whose numbers are not identified
+UNTOLD = (".holding_", ".compensator.")  # their C_R is not drawn
 OVERLAP, MEASURED, EDGE, SPRING = "deadband_voltage", "curve.voltages", "minimum_resistance", "centring_force"
 BELOW = 0.95  # of the lowest voltage at which a valve was measured, where an overlap would reach it
 

@@ -17,6 +17,7 @@ from forest_description.machine import Machine
 
 NORMAL_95 = 1.959963985
 ILL_CONDITIONED = 1e6
+OVERLOADED = "the valve opened against a load that takes all of the pump's pressure"
 LOOSE = 0.2  # of a positive value, of a volt: a parameter with a greater standard error is not identified
 
 EXCITATION = {
@@ -44,6 +45,8 @@ EXCITATION = {
     "share": "starts and stops of boom and stick at low pressure, a transducer at each port",
     "setting": "the load lowered at several speeds and weights, transducers at the actuator",
     "pilot_ratio": "the load lowered at several speeds and weights, transducers at the actuator",
+    **dict.fromkeys(("compensator.setting", "control_range", "compensator.minimum_resistance"), OVERLOADED),
+    "compensator.response_time": f"{OVERLOADED}, in steps",
     "free_way": "the swing turned round at several speeds, with a resolver at the joint",
     "leakage_conductance": "boom and stick resting for seconds in several poses, their valves shut",
     "stiffness": "a known load hung on the tip, its sag measured from outside; it is taken as stated",
@@ -61,7 +64,9 @@ EXCITATION = {
 
 def excitation_for(key: str) -> str:
     """Return the motion that identifies a parameter."""
-    return EXCITATION.get(key.rpartition(".")[2], "a motion in which it matters")
+    section, _, name = key.rpartition(".")
+    own = f"{section.rpartition('.')[2]}.{name}"
+    return EXCITATION.get(own, EXCITATION.get(name, "a motion in which it matters"))
 
 
 class Estimate(NamedTuple):

@@ -4,6 +4,7 @@
 |---|---|---|
 | valve | valve alone (fig. 4.3) | C_R(V), overlap and gain by direction and port |
 | spool_lag | the same | how the spool follows |
+| compensator | the same, its load takes all of the pump's pressure | a valve's pressure compensator |
 | hose, hose_laminar | hose alone (fig. 4.5, 4.7) | R; I and C (not with laminar) |
 | motor_external | crane, swing to and fro (fig. 4.9) | R_ex |
 | motor_internal | crane on a tilted platform, valve shut (fig. 4.9) | R_in |
@@ -12,7 +13,8 @@
 | gravity | crane, boom and stick from pose to pose | whether load and masses are those of the file |
 | validation | crane, all axes | nothing: held out |
 
-A machine whose axes have valves or hoses of their own gets `valve_AXIS`, `hose_AXIS` for each of these.
+A machine whose axes have valves or hoses of their own gets `valve_AXIS`, `compensator_AXIS`, `hose_AXIS` for
+each of these. Valves without a pressure compensator get no `compensator`.
 """
 
 import dataclasses
@@ -70,10 +72,16 @@ def names(machine: Machine) -> tuple[str, ...]:
     own_valves = [f"valve_{axis}" for axis in AXES if getattr(machine, axis).valve is not None]
     own_hoses = [f"hose_{axis}" for axis in AXES if getattr(machine, axis).hose is not None]
     shared_valve = [] if len(own_valves) == len(AXES) else ["valve"]
+    valves = [*shared_valve, *own_valves]
+    compensators = [
+        name.replace("valve", "compensator")
+        for name in valves
+        if machine.valve_of(_valve_axis(machine, name)).compensator is not None
+    ]
     regimes = {drive.flow_regime for drive in machine.drives if drive.hose is None}
     shared = [name for name, flag in (("hose", "turbulent"), ("hose_laminar", "laminar")) if flag in regimes]
     return (
-        *("calibration", *shared_valve, *own_valves, "spool_lag", *shared, *own_hoses),
+        *("calibration", *valves, "spool_lag", *compensators, *shared, *own_hoses),
         *("gravity", "motor_external", "motor_internal"),
         *(f"deadband_{axis}" for axis in AXES),
         *(f"damping_{axis}" for axis in AXES),
@@ -104,8 +112,9 @@ def _plan(name: str, machine: Machine, seed: int) -> Plan:
     kind, _, axis_name = name.partition("_")
     own = axis_name in AXES
     axis = AXES.index(axis_name) if own else 0
-    if kind == "valve":
-        return _valve(name, machine, axis if own else shared_valve_axis(machine))
+    of_valve = {"valve": _valve, "compensator": _compensator}
+    if kind in of_valve:
+        return of_valve[kind](name, machine, _valve_axis(machine, name))
     if name == "spool_lag":
         return _spool_lag(machine)
     if kind == "hose":
@@ -126,6 +135,12 @@ def _plan(name: str, machine: Machine, seed: int) -> Plan:
         "gravity": _gravity,
     }
     return _validation(machine, seed) if name == "validation" else crane[name](machine)
+
+
+def _valve_axis(machine: Machine, name: str) -> int:
+    """Return the axis whose valve an experiment has on its rig."""
+    tail = name.partition("_")[2]
+    return AXES.index(tail) if tail in AXES else shared_valve_axis(machine)
 
 
 def shared_valve_axis(machine: Machine) -> int:
@@ -172,6 +187,16 @@ def _spool_lag(machine: Machine) -> Plan:
     rows = stairs((0.3 * rated, 0.7 * rated, 0.45 * rated, 0.9 * rated), 0.11)
     setup = "As for the valve. The spool sensor and the amplifier's voltage on one clock."
     return _bench("spool_lag", machine, rigs.valve_bench(machine), setup, rows, 16.0)
+
+
+def _compensator(name: str, machine: Machine, axis: int) -> Plan:
+    rated = machine.valve_of(axis).rated_voltage
+    levels = tuple(rated * share for share in (0.3, 0.45, 0.6, 0.75, 1.0, 0.5, 0.9, 0.4, 0.7, 0.35))
+    setup = (
+        "As for the valve. Brake the metering motor until the flow grows no more from two thirds of the "
+        "valve's stroke on: there the pump is at its greatest pressure."
+    )
+    return _bench(name, machine, rigs.overloaded_bench(machine, axis), setup, stairs(levels, 0.8))
 
 
 def _hose(name: str, machine: Machine, axis: int, laminar: bool) -> Plan:

@@ -7,6 +7,7 @@ and next to no inertance. So the laws, the integrator and the sensors are those 
 | rig | thesis | hose 1 | what is read |
 |---|---|---|---|
 | valve | fig. 4.3 | a short piece | supply, both valve ports, flow, spool, voltage |
+| compensator | - | the same | the same, under a load that takes all of the pump's pressure |
 | hose | fig. 4.5, 4.7 | the hose, whole | pressure and flow at its entrance and its exit |
 
 The motor's rig (fig. 4.9) is the machine itself with its platform tilted, see `experiments`.
@@ -20,18 +21,20 @@ The motor's rig (fig. 4.9) is the machine itself with its platform tilted, see `
 import dataclasses
 from functools import lru_cache
 
+from forest_description.derived.actuator_kinematics import displacements, rated_speeds
 from forest_description.hydraulics.hose import GeometricHose, MeasuredHose
 from forest_description.machine import Machine, load_machine
 from forest_description.mechanics.manipulator_parameters import Manipulator
 from forest_description.sensors.sensor_kinds import Sensors
 from forest_description.types import AXES
 
-DISPLACEMENT = 0.05  # [m^3/rad] D
-INERTIA = 25.0  # [kg m^2] of the meter: an inertance of 1e4 Pa s^2/m^3, three thousandths of the hose's
+DISPLACEMENT = 0.01  # [m^3/rad] D: so small that a brake may take all of a pump's pressure
+INERTIA = 1.0  # [kg m^2] of the meter: an inertance of 1e4 Pa s^2/m^3, three thousandths of the hose's
 WEIGHTLESS = 1e-6  # [kg] of boom and stick, whose inertia about the swing axis is left out
 TIGHT = 1e18  # [Pa s/m^3] leakage of the meter: none
 SHORT = 0.3  # [m] of hose between valve and load
 VALVE_LOAD, HOSE_LOAD = 1e8, 1.5e9  # [Pa s/m^3] R_L
+OVERLOAD = 1.5  # times the pump's pressure, that the brake would take of the full flow
 OF_THE_CRANE = ("chambers", "friction", "holding_1", "holding_2", "elasticity")
 """What an actuator has on the crane alone: of idle cylinders it would take three fourths of a simulation."""
 LOAD_KEY = "swing.damping"
@@ -64,6 +67,18 @@ def valve_bench(machine: Machine, axis: int = 0, load: float = VALVE_LOAD) -> Ma
         load: R_L [Pa s/m^3].
     """
     return _bench(machine, axis, SHORT, laminar=False, load=load)
+
+
+def overloaded_bench(machine: Machine, axis: int = 0) -> Machine:
+    """Return the rig of a valve whose load takes all of the pump's pressure, from two thirds of its flow on.
+
+    Args:
+        machine: whose valve has a compensator.
+        axis: 0 swing, 1 boom, 2 stick.
+    """
+    displacement, _ = displacements(machine, axis)
+    full = rated_speeds(machine)[axis] * displacement
+    return valve_bench(machine, axis, OVERLOAD * machine.pump.supply_pressure / full)
 
 
 def hose_bench(machine: Machine, axis: int = 0, laminar: bool = False, load: float = HOSE_LOAD) -> Machine:

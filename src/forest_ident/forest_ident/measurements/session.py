@@ -19,7 +19,7 @@ import numpy as np
 
 from forest_description.types import AXES, Floats
 
-RIGS = ("valve", "spool", "hose")
+RIGS = ("valve", "spool", "compensator", "hose")
 """Kinds of experiments that are driven on a test rig instead of the crane."""
 THERMOCOUPLES = ("tank_temperature", "pump_temperature", "motor_temperature")
 

@@ -17,7 +17,6 @@ from collections.abc import Collection, Mapping, Sequence
 from typing import NamedTuple
 
 import numpy as np
-import scipy
 
 from forest_description.types import Floats
 
@@ -77,20 +76,23 @@ class GaussianEstimate(NamedTuple):
     def taken(self, later: "GaussianEstimate", names: Sequence[str]) -> "GaussianEstimate":
         """Return this estimate with some names, and all that are new, as a later one has them.
 
-        The others stay: they are told better than by what moved them there.
+        The others stay: they are told better than by what moved them there. The new ones keep what they have
+        of their errors: a motor's displacement has those of the flow meter that told it, and the next record
+        must not take the two for two witnesses. With k' the others as the later one has them, k as they stay,
+        and n the new ones, cov(n, k) = cov(n, k'): k' is the best that both records make of k, so what k lies
+        off besides is independent of it.
         """
         kept = self.without(*names)
-        new = later.without(*kept.names)
+        new, count = later.without(*kept.names), len(kept.names)
+        every = (*kept.names, *new.names)
+        places = [later.names.index(name) for name in every]
+        covariance = later.covariance[np.ix_(places, places)]
+        covariance[:count, :count] = not_below(covariance[:count, :count], kept.covariance)
         slopes = None
         if later.slopes is not None:
-            count = later.slopes.shape[1]
-            slopes = np.vstack([kept.moves(kept.names, count), new.moves(new.names, count)])
-        return GaussianEstimate(
-            (*kept.names, *new.names),
-            np.concatenate([kept.mean, new.mean]),
-            scipy.linalg.block_diag(kept.covariance, new.covariance)[: len(kept.names) + len(new.names)],
-            slopes,
-        )
+            columns = later.slopes.shape[1]
+            slopes = np.vstack([kept.moves(kept.names, columns), new.moves(new.names, columns)])
+        return GaussianEstimate(every, np.concatenate([kept.mean, new.mean]), covariance, slopes)
 
 
 EMPTY = GaussianEstimate()
@@ -180,6 +182,13 @@ def covariance_of(information: Floats) -> Floats:
     values, vectors = np.linalg.eigh(information / np.outer(scale, scale))
     values = np.maximum(values, UNSEEN * np.max(values))
     return np.asarray((vectors / values) @ vectors.T / np.outer(scale, scale))
+
+
+def not_below(least: Floats, covariance: Floats) -> Floats:
+    """Return a covariance, but where another is greater, as that has it; rows have very different units."""
+    scale = np.sqrt(np.maximum(np.diag(covariance), 1e-300))
+    values, vectors = np.linalg.eigh((covariance - least) / np.outer(scale, scale))
+    return np.asarray(least + (vectors * np.maximum(values, 0.0)) @ vectors.T * np.outer(scale, scale))
 
 
 def inverse(matrix: Floats) -> Floats:

@@ -86,7 +86,7 @@ def task(machine: Machine, session: Session) -> Task | None:
     name = AXES[axis]
     valve = valve_section(machine, axis)
     free = (*found.free, *extension_keys.told_by(machine, session.kind, name, valve))
-    felt = extension_keys.felt_by(machine, session.kind, () if session.on_rig else (name,))
+    felt = extension_keys.felt_by(machine, session.kind, () if session.on_rig else (name,), valve)
     carried = (*found.carried, *(key for key in felt if key not in free))
     return _of_machine(machine, found._replace(free=free, carried=carried))
 
@@ -109,6 +109,7 @@ def _tasks(machine: Machine, session: Session) -> dict[str, Task]:
     return {
         # Between valve and load lies a short piece of hose, which has not been measured yet.
         "valve": Task((*law, *pump), line, VALVE_RIG, ("rig.load",)),
+        "compensator": Task((), (*law, *pump, *line), VALVE_RIG, ("rig.load",)),
         "spool": Task(spool, (), ("swing_spool",), ()),
         "hose": Task(line, (*law, *pump), HOSE_RIG, ("rig.load",)),
         "gravity": _gravity(machine, pump),
@@ -190,7 +191,7 @@ def _axis(machine: Machine, session: Session) -> int:
         return int(session.metadata["hose_axis"])
     if session.own_axis:
         return AXES.index(session.own_axis)
-    return experiment_plan.shared_valve_axis(machine) if session.name == "valve" else 0
+    return experiment_plan.shared_valve_axis(machine) if session.name in ("valve", "compensator") else 0
 
 
 def _spool_keys(machine: Machine, section: str) -> tuple[str, ...]:

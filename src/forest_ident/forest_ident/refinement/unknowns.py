@@ -50,15 +50,16 @@ def of_record(machine: Machine, session: Session, work: Task, known: GaussianEst
     for key in (*work.free, *work.carried):
         positive = is_positive(key)
         # An overlap that a curve in volts hides stays near its start, or it would leave the curve behind.
-        linear = not extension_keys.is_extension(key)  # it begins with a linear estimate
+        linear = not extension_keys.is_extension(key) and not key.startswith("pump.")
         spread = math.inf if key in work.free and positive and linear else UNKNOWN
+        far = extension_keys.begins_far_off(key)
         unknown = Unknown(
             key=key,
             start=value_of(machine, key),
             prior=spread,
             positive=positive,
             own=session.on_crane and key in work.carried,
-            begun=linear and (session.on_crane or key in work.free) and not _is_known(known, key),
+            begun=far and (session.on_crane or key in work.free) and not _is_known(known, key),
         )
         difference = extension_keys.COARSE.get(key.rpartition(".")[2], by.share)
         rounded = extension_keys.rounding({key: unknown.start}).get(key, 0.0)
