@@ -18,7 +18,7 @@ from forest_description.machine import Machine, load_machine
 from forest_description.types import AXES, Vec3
 from forest_msgs_py.runtime.command_line import StatusLine, path_in_errors
 from forest_msgs_py.runtime.stop_signals import heeded
-from forest_sim.analysis import machine_check, mode_map, modes, pump_comparison, run_summary
+from forest_sim.analysis import machine_check, mode_map, modes, oil_softening, pump_comparison, run_summary
 from forest_sim.analysis.friction_linearisation import (
     axes_with_friction,
     drive_limits,
@@ -259,7 +259,9 @@ def show_modes(machine: Machine, angles: Vec3, spools: Vec3, as_json: bool) -> i
     """Print frequencies and damping ratios at a pose; with dry friction, of small and large oscillations."""
     require_within_rating(machine, spools)
     p = plant_parameters(machine)
-    told = with_pressed_seals(p, equilibrium(angles, p).plant)
+    rest = equilibrium(angles, p)
+    told = with_pressed_seals(p, rest.plant)
+    soft = oil_softening.amplitudes(rest, p) if spools == modes.SHUT else {}
     ends, swing = axes_with_friction(told), drive_limits(p)
     small = modes.modes(angles, spools, p)
     large = modes.modes(angles, spools, without_dry_friction(p)) if is_rough(p) else small
@@ -281,6 +283,7 @@ def show_modes(machine: Machine, angles: Vec3, spools: Vec3, as_json: bool) -> i
                 "large_above_rad": swing.large,
                 "large_above_rad_s": swing.fast if math.isfinite(swing.fast) else None,
             },
+            "oil_with_air_amplitudes": soft,
             "modes": modes.as_json(small),
             "modes_without_dry_friction": modes.as_json(large),
         }
@@ -294,6 +297,8 @@ def show_modes(machine: Machine, angles: Vec3, spools: Vec3, as_json: bool) -> i
     print(modes.table(small))
     if is_rough(p):
         print(f"  {large_heading(told)}\n{modes.table(large)}")
+    if soft:
+        print(f"  {oil_softening.heading(soft)}")
     return 0
 
 
