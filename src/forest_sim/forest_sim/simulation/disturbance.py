@@ -16,7 +16,7 @@ class Disturbance(NamedTuple):
 
 
 UNDISTURBED = Disturbance()
-GREATEST_FORCE = 1e6  # [N] on the tip, thirty times what the C-180 weighs; far above it end stops give way
+GREATEST_FORCE = 2e5  # [N] on the tip, six times what the C-180 weighs; far above it end stops give way
 
 
 def parse_stuck_spools(text: str) -> tuple[str, ...]:
