@@ -102,6 +102,7 @@ def test_a_record_whose_supply_rests_where_this_pump_does_not_is_refused(name, p
     strange = dataclasses.replace(one, readings={"supply_pressure": np.full(100, pressure)})
     said = (
         rf"{name}: the supply stands at {1e-6 * pressure:.3g} MPa before a valve opens; allowed on c180_hoses"
+        rf": {1e-6 * read[0] / 2.0:.3g} \.\. {1e-6 * read[0] * 2.0:.3g} MPa"
     )
     with pytest.raises(SessionError, match=said):
         demand_machine(C180, strange)
