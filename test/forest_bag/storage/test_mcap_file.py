@@ -215,6 +215,7 @@ def test_a_growing_file_counts_what_is_to_come_with_it(tmp_path):
     file = McapFile(tmp_path / "a.mcap")
     begun = (tmp_path / "a.mcap").stat().st_size
     assert file.size == begun + 1024
+    assert file._file._syncer is None  # nobody asked for a file that survives a power cut
     channel = file.add_channel("/a", file.add_schema("pkg/msg/A", "ros2msg", bytes(1000)), {})
     defined = (tmp_path / "a.mcap").stat().st_size - begun
     assert file.size == begun + 3 * defined + 1024

@@ -7,7 +7,9 @@ import sqlite3
 import pytest
 
 from forest_bag.storage.metadata import FileEntry
+from forest_bag.storage.raw_messages import Channel
 from forest_bag.storage.sqlite_file import SqliteFile
+from forest_bag.storage.sqlite_reader import SqlitePieces
 
 QOS, TEXT = "- depth: 1", "float64 x"
 
@@ -46,6 +48,10 @@ def test_a_file_holds_topics_definitions_messages_and_their_size(tmp_path):
         ]
         assert rows("messages") == [(1, 2, 30, b"abc"), (2, 1, 10, b""), (3, 2, 20, b"z")]
         assert rows("metadata") == [(1, 9, "version: 9\n")]
+        assert SqlitePieces(tmp_path / "a.db3", tmp_path / "a.db3").channels == {
+            number: Channel(f"/{name}", f"pkg/msg/{name.upper()}", "cdr", QOS, "RIHS01_0", TEXT, "ros2msg")
+            for number, name in ((1, "a"), (2, "b"))
+        }
         assert rows("schema") == [(4, os.environ.get("ROS_DISTRO", "jazzy"))]
 
 
