@@ -9,6 +9,7 @@ from forest_description.machine import load_machine
 from forest_msgs_py.types import PERIOD
 from forest_study.ablation import ablation_command, scenes
 from forest_study.ablation.constants import changed
+from forest_study.ablation.plants import FIGURES, NOT_ENDED
 from forest_study.ablation.pushes import END, QUIET, activity, misjudged, push, pushed, rest
 from forest_study.cli import main
 from forest_study.closed_loop.closed_loop import Trajectory
@@ -106,15 +107,18 @@ def test_a_table_of_constants_is_sorted_by_effect_and_tells_it_in_words(tmp_path
     assert "| control fails |" in capsys.readouterr().out
 
 
-def test_what_chance_does_is_no_effect(tmp_path, monkeypatch):
+def test_what_chance_does_is_no_effect_nor_what_is_as_far_beyond_it_as_it_is_wide(tmp_path, monkeypatch):
+    """Chance gives 5 to 9 mm: 1 to 13 mm are no effect."""
+
     def figures(changes):
-        filling = changes.get("valve.load_estimate.FILLING")
-        return {**USUAL, "rest, 1.1, mm": 9.0 if filling else 8.0 if changes else 5.0}
+        look, chance = changes.get("servo.inching.LOOK"), changes.get("valve.load_estimate.FILLING")
+        return {**USUAL, "rest, 1.1, mm": 9.0 if chance else {0.175: 12.0, 0.7: 15.0}.get(look, 5.0)}
 
     monkeypatch.setattr(ablation_command, "tried", answers(figures))
     given = ["--constants", "servo", "--only", "LOOK", "--out", str(tmp_path / "ablation")]
     assert main(["ablation", *given]) == 0
-    assert "LOOK` | 0.35 | little | little |" in (tmp_path / "ablation" / "ablation.md").read_text()
+    told = (tmp_path / "ablation" / "ablation.md").read_text()
+    assert "LOOK` | 0.35 | little | rest, 1.1 5.0 → 15.0 mm |" in told
 
 
 def test_a_table_of_mechanisms_has_what_each_condition_gave(tmp_path, monkeypatch):
@@ -124,6 +128,26 @@ def test_a_table_of_mechanisms_has_what_each_condition_gave(tmp_path, monkeypatc
     out = tmp_path / "ablation"
     assert main(["ablation", "--only", "holding", "--tilt", "0", "3", "--out", str(out)]) == 0
     assert "| holding | 1.00 | 2.00 | 3.0 | 4 | 0 7 | 5.0 6.0 |" in (out / "ablation.md").read_text()
+
+
+def test_a_table_of_plants_has_median_and_worst_of_every_row(tmp_path, monkeypatch):
+    told = [f"{row}, {{}}, {text}" for row, of in FIGURES.items() for text in of.values()]
+    figures = {
+        name.format(which): value for name in told for which, value in (("median", 1.5), ("worst", 20.0))
+    }
+    paths = {"cross-track, mm": 1.0, "governed, mm": 2.0, "slow, mm/s": 3.0, "V/s": 4.0, NOT_ENDED: 2.0}
+
+    def tried(trials):
+        assert [trial.plants for trial in trials] == [3] * len(trials)
+        return [None if trial.changes else paths | figures for trial in trials]
+
+    monkeypatch.setattr(ablation_command, "tried", tried)
+    out = tmp_path / "ablation"
+    assert main(["ablation", "--only", "search", "--plants", "3", "--out", str(out)]) == 0
+    *_, head, rule, nothing, search = (out / "ablation.md").read_text().splitlines()
+    assert nothing == f"| nothing | {' | '.join(['1.5 / 20'] * len(told))} | 2 |"
+    assert search.startswith("| search | control failed |")
+    assert len({line.count("|") for line in (head, rule, nothing, search)}) == 1
 
 
 def test_a_name_that_no_constant_has_is_told(tmp_path, capsys):

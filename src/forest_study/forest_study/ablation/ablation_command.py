@@ -10,6 +10,7 @@ from forest_description.machine import load_machine
 from forest_msgs_py.runtime.command_line import add_machine_option, number, whole
 from forest_study.ablation import effects
 from forest_study.ablation.constants import NODES, ROOMS, Changes, numbers, scaled
+from forest_study.ablation.plants import FIGURES, NOT_ENDED
 from forest_study.ablation.scenes import SCENES
 from forest_study.ablation.trials import Figures, Trial, tried
 from forest_study.results import StudyError, new_directory, require_llvm, write_json
@@ -21,12 +22,13 @@ MECHANISMS: dict[str, Changes] = {
     "inching": {"servo.inching.ARRIVED": 1e9},
     "stronger inches": {"servo.inching.STRONGEST": 1.0},
     "hold zone": {"valve_driver.hold_zone": 0.0},
+    "search": {"valve.valve_adaptation.FINE": 0.0},
     "low-pass of the error": {"servo.coordinated_servo.ERROR_LAG": 1e-6},
     "adaptation": {"valve_driver.adapt": False},
 }
 FACTORS = (0.5, 2.0)
 OF_MECHANISMS = ("paths", "slow")
-BYSTANDER, CHANCES = "valve.load_estimate.FILLING", 4  # what is changed by millionths, and how often
+BYSTANDER, CHANCES = "valve.load_estimate.FILLING", 8  # what is changed by millionths, and how often
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -64,6 +66,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="DEG",
         help="tilt of the platform while pushed, unknown to the controller (default: 0)",
     )
+    add(
+        "--plants",
+        type=whole(0, 1000),
+        default=0,
+        metavar="N",
+        help=f"plants of each of these rows of the matrix, too: {', '.join(FIGURES)} (default: none)",
+    )
 
 
 def run(options: argparse.Namespace) -> int:
@@ -91,7 +100,25 @@ def _of_mechanisms(options: argparse.Namespace) -> tuple[list[str], dict[str, Fi
         found[name] = row
         lines.append(_line(name, row))
         print(lines[-1], flush=True)
+    if options.plants:
+        lines += ["", *_of_plants(found)]
+        print(*lines[-len(found) - 3 :], sep="\n")
     return lines, found
+
+
+def _of_plants(found: dict[str, Figures | None]) -> list[str]:
+    """Return the table of the matrix' plants: of each figure the median and the worst plant."""
+    columns = [(row, text) for row, told in FIGURES.items() for text in told.values()]
+    head = " | ".join(("left out", *(f"{row}: {text}" for row, text in columns), NOT_ENDED))
+    lines = [f"| {head} |", "|---" * (len(columns) + 2) + "|"]
+    for name, row in found.items():
+        if row is None:
+            lines.append(f"| {name} | control failed {'| ' * len(columns)}|")
+            continue
+        pairs = ([row[f"{of}, {which}, {text}"] for which in ("median", "worst")] for of, text in columns)
+        cells = " | ".join(f"{median:.3g} / {worst:.3g}" for median, worst in pairs)
+        lines.append(f"| {name} | {cells} | {row[NOT_ENDED]:.0f} |")
+    return lines
 
 
 def _of_constants(options: argparse.Namespace) -> tuple[list[str], dict[str, Figures | None]]:
@@ -124,7 +151,10 @@ def _of_constants(options: argparse.Namespace) -> tuple[list[str], dict[str, Fig
 def _tried(options: argparse.Namespace, changes: dict[str, Changes], scenes: tuple[str, ...]) -> Any:
     conditions = [(share, math.radians(tilt)) for tilt in options.tilt for share in options.overlap]
     return tried(
-        [Trial(options.machine, one, scenes, options.pushes, conditions) for one in changes.values()]
+        [
+            Trial(options.machine, one, scenes, options.pushes, conditions, options.plants)
+            for one in changes.values()
+        ]
     )
 
 
@@ -143,7 +173,7 @@ def _line(name: str, row: Figures | None) -> str:
 
 
 def _conditions(options: argparse.Namespace) -> dict[str, Any]:
-    names = ("machine", "pushes", "overlap", "tilt")
+    names = ("machine", "pushes", "overlap", "tilt", "plants")
     return {name: getattr(options, name) for name in names}
 
 

@@ -1,4 +1,4 @@
-"""The trials of one change: scenes, and pushes. A process of its own makes them.
+"""The trials of one change: scenes, pushes, plants of the matrix. A process of its own makes them.
 
 All changes run in one compiled loop, which reads the constants when it runs. The operator says every period
 what the fastest profile along the path wishes.
@@ -16,6 +16,7 @@ from forest_compile.kernel_cache import CachedKernel
 from forest_control.taught.tip_path import PathError, cross_track_distance
 from forest_description.machine import load_machine
 from forest_study.ablation.constants import ROOMS, Changes, at_runtime, changed, numbers
+from forest_study.ablation.plants import plants
 from forest_study.ablation.scenes import SCENES, pushes
 from forest_study.closed_loop import compiled_loop, loop_kernel
 
@@ -31,6 +32,7 @@ class Trial(NamedTuple):
     scenes: tuple[str, ...]  # of `SCENES`
     pushes: int  # of each of the conditions
     conditions: list[tuple[float, float]]  # believed over true overlap; tilt [rad] that nobody knows
+    plants: int = 0  # of each of the matrix' rows
 
 
 def tried(trials: Sequence[Trial]) -> Iterator[Figures | None]:
@@ -65,6 +67,7 @@ def figures(trial: Trial) -> Figures | None:
     try:
         for name in trial.scenes:
             found |= SCENES[name](machine, settings)
-        return found | pushes(machine, settings, trial.pushes, trial.conditions)
+        found |= pushes(machine, settings, trial.pushes, trial.conditions)
+        return found | (plants(machine, settings, trial.plants) if trial.plants else {})
     except (ArithmeticError, PathError, ValueError):
         return None

@@ -86,7 +86,7 @@ def run_row(
     courses = {
         speed: [_course(path, speed, machine, laps, rival) for path in row.paths] for speed in row.speeds
     }
-    lifted = min(least_capacity(path, machine) for path in row.paths)
+    most = lifted(row, machine)
 
     def one(seed: int) -> Outcome:
         plant = _plant(row, machine, seed)
@@ -97,7 +97,7 @@ def run_row(
         return Outcome(
             seed=seed,
             drawn=plant.told,
-            overloaded=plant.head > lifted,
+            overloaded=plant.head > most,
             figures=_worst(list(paths.values())),
             paths=paths,
         )
@@ -110,6 +110,11 @@ def _course(path: TipPath, speed: float, machine: Machine, laps: int, rival: Riv
     course = prepare(path, speed, rival.control.scheme, machine, laps)
     settings = rival.control._replace(tip_speed=course.settings.tip_speed)
     return course._replace(settings=settings, drive=rival.drive)
+
+
+def lifted(row: MatrixRow, machine: Machine) -> float:
+    """Return what the machine's file lets it lift everywhere on a row's paths [kg]."""
+    return min(least_capacity(path, machine) for path in row.paths)
 
 
 def least_capacity(path: TipPath, machine: Machine) -> float:
