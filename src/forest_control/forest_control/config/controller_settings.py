@@ -29,7 +29,6 @@ from forest_description.types import ZERO, Vec3
 from forest_msgs_py.runtime.parameter_table import tunable
 
 SMOOTHING = 0.01  # [s] time constant of the reference's acceleration: two periods; chosen
-INTEGRAL_LIMIT = 0.1  # [rad/s] of the integral: more than the error of any valve
 HOLD_ERROR = 1.5e-4  # [rad] at which a resting joint holds, 1 mm of the tip: above the resolvers' jitter
 RELEASE_ERROR = 3e-4  # [rad] at which it moves again: 2 mm of the tip
 INCH = 0.03  # [1] of the rated speed, for an inch: over the command's noise; chosen
@@ -186,7 +185,6 @@ def parameters(machine: Machine, settings: Settings, workspace: Workspace = OPEN
             load_bandwidth=2.0 * math.pi * settings.load_bandwidth,
             smoothing=SMOOTHING,
             acceleration=settings.tip_acceleration,
-            integral_limit=INTEGRAL_LIMIT,
             hold_error=HOLD_ERROR,
             release_error=RELEASE_ERROR,
             inches=(_inch(machine, 0), _inch(machine, 1), _inch(machine, 2)),

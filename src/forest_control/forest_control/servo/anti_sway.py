@@ -20,11 +20,11 @@ import math
 from typing import NamedTuple
 
 from forest_description.derived.bodies import hanging_body
+from forest_description.geometry.vectors import norm
 from forest_description.machine import Machine
 from forest_description.types import ZERO, Vec3
 
-STILL = 3e-3  # [m/s] of the tip once the wish is zero, at which it stops: under the noise; chosen
-LEFT = 1e-3  # [m] of its way that is left then; below what resolvers tell, chosen
+LEFT = 1e-3  # [m] of way that is left once the wish is zero, at which the tip stops: under the noise; chosen
 
 
 class SwayParameters(NamedTuple):
@@ -72,9 +72,9 @@ def filtered(sway: Sway, wish: Vec3, s: SwayParameters, dt: float) -> tuple[Sway
     p_1, q_1, y_1 = _component(sway.p[0], sway.q[0], wish[0], s, dt)
     p_2, q_2, y_2 = _component(sway.p[1], sway.q[1], wish[1], s, dt)
     p_3, q_3, y_3 = _component(sway.p[2], sway.q[2], wish[2], s, dt)
-    # The way that is left to a wish of zero: the integral of y from here on.
-    way = 2.0 * (1.0 - s.damping) * s.frequency * math.sqrt(p_1 * p_1 + p_2 * p_2 + p_3 * p_3)
-    if wish == ZERO and way < LEFT and math.sqrt(y_1 * y_1 + y_2 * y_2 + y_3 * y_3) < STILL:
+    # At a wish of zero y is left to go the way 2 (1 - zeta) w p, and with q comes to it and beyond it.
+    to_and_fro = s.frequency * norm((p_1, p_2, p_3)) + norm((q_1, q_2, q_3))
+    if wish == ZERO and 2.0 * (1.0 - s.damping) * to_and_fro < LEFT:
         return NO_SWAY, ZERO
     return Sway(wish=wish, p=(p_1, p_2, p_3), q=(q_1, q_2, q_3)), (y_1, y_2, y_3)
 

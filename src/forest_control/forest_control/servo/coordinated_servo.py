@@ -47,7 +47,6 @@ class CoordinationParameters(NamedTuple):
     load_bandwidth: float  # [rad/s] at which the valve driver learns a load
     smoothing: float  # [s] of b
     acceleration: float  # [m/s^2] of the tip's reference
-    integral_limit: float  # [rad/s]
     hold_error: float  # [rad] a resting joint this near holds
     release_error: float  # [rad] and moves again beyond this
     inches: Vec3  # [rad/s, m/s, m/s] speeds of the actuators while a resting joint is inched
@@ -241,8 +240,7 @@ def _joint_servo(
     # At rest the integral learns what leaks, through an open valve; behind a shut one, or before joints
     # that are stalled, it would wind up.
     learns = not (stalled and is_ahead(x.a, error)) and (not still or (not shut and not holds))
-    grown = memory.w + dt * p.integral[i] * error if learns else memory.w
-    w = max(-p.integral_limit, min(p.integral_limit, grown))
+    w = memory.w + dt * p.integral[i] * error if learns else memory.w
     quick = 1.0 if i == 0 else motion_weight(x.a)
     # At rest there is time for less noise: a valve that feeds what leaks would follow it.
     calm = still and (shut or memory.inching.rested >= ARRIVED)
