@@ -41,7 +41,7 @@ class ValveDriverNode(Node):
         self._period = stamped_period.BEGIN
         self._state, self._step, self._shadow = valve_driver.REST, compiled.driver_step(), p.shadow
         said, stopped = map(self._node_clock.publisher, (topics.DIAGNOSTICS, topics.EMERGENCY_STOPPED))
-        self._diagnostics = Diagnostics(self, PARTS, "valves centred", said)
+        self._diagnostics = Diagnostics(self, PARTS, "valves centred", said, "pressures")
         self._stop = EmergencyStop(self, "~/", self._gate.against_reset, self._stand_still, stopped)
         self._out = Outputs(self._node_clock, p.shadow, p.plain_arrays)
         self._commands = Commands(self._node_clock, machine)

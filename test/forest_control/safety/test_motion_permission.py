@@ -7,7 +7,7 @@ from guard_rig import ANGLES, PERIOD_NS, PUSHED, P, Rig, hangs, nonsense
 
 from forest_control.operator.levers import REST, Levers
 from forest_control.safety.driver_response import DriverSample
-from forest_control.safety.motion_guard import GOES_BACK, LOST_STATE, PRESSED, MotionGuard
+from forest_control.safety.motion_guard import GOES_BACK, LOST_STATE, NOT_CENTRED, PRESSED, MotionGuard
 from forest_control.safety.motion_permission import (
     NOBODY,
     Cause,
@@ -385,3 +385,16 @@ def test_no_two_verdicts_or_causes_are_one():
     """Members of an enumeration with equal numbers would be the same."""
     assert [int(verdict) for verdict in Verdict] == [0, 1, 2, 3]
     assert [int(cause) for cause in Cause] == list(range(10))
+
+
+def test_nobody_is_asked_for_centred_levers_while_the_emergency_stop_is_pressed(rig):
+    rig.levers = PUSHED
+    for _ in range(10):
+        rig.once()
+    rig.held = False
+    rig.once()
+    rig.held = True
+    rig.once()
+    assert rig.guard.joystick_caution() == NOT_CENTRED
+    rig.guard.causes["emergency stop"] = PRESSED
+    assert rig.guard.joystick_caution() == ""

@@ -195,6 +195,13 @@ def test_exchanged_ports_are_named_and_a_drop_that_transducers_err_is_not():
         )
 
 
+def test_a_rigs_oil_that_is_not_cooled_is_named():
+    told = C180.oil.reference_temperature
+    demand(C180, of_a_valves_rig(tank_temperature=np.full(100, told + 1.9)))
+    with pytest.raises(SessionError, match=r"the rig's oil is at 315\.\d K; allowed: 313\.\d K within 2 K"):
+        demand(C180, of_a_valves_rig(tank_temperature=np.full(100, told + 2.1)))
+
+
 def test_a_thermocouple_in_degrees_celsius_is_named():
     demand(C180, of_a_valves_rig(pump_temperature=np.full(100, 313.15)))
     with pytest.raises(

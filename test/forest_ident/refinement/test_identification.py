@@ -5,6 +5,7 @@ import numpy as np
 import pytest
 
 from forest_description.machine import load_machine
+from forest_ident.driving.simulated_experiment import experiment
 from forest_ident.estimators.parameter_estimate import Estimate
 from forest_ident.measurements.parameter_path import value_of
 from forest_ident.measurements.session import Session, SessionError
@@ -116,6 +117,18 @@ def test_a_doubt_goes_along_with_what_a_record_carries(monkeypatch, sessions):
         assert "of its variance comes from what is doubtful: the search of valve" in doubts[f"hose.{key}"]
     assert "valve.minimum_resistance" in doubts
     assert "swing.internal_leakage_resistance" not in doubts  # what is told of the motor is all its error
+
+
+def test_a_hose_tells_nothing_of_what_both_meters_may_be_wrong_by():
+    """Meters of 1.5 %: the gain and all that flow tells change together, and the readings stay."""
+    machine = load_machine("c180_hoses")
+    meter = dataclasses.replace(machine.sensors.flow_meter, accuracy=0.015)
+    machine = dataclasses.replace(machine, sensors=dataclasses.replace(machine.sensors, flow_meter=meter))
+    result = identify(machine, [experiment(name, machine, 3) for name in ("valve", "hose")])
+    for key in ("valve.minimum_resistance", *(f"hose.{n}" for n in ("turbulent_resistance", "inertance"))):
+        e = result.estimates[key]
+        assert abs(e.value - value_of(machine, key)) < 2.5 * e.standard_error
+    assert result.estimates["valve.minimum_resistance"].standard_error > 0.01 * 1.04e12
 
 
 def test_meters_that_contradict_each_other_leave_what_hangs_on_flow_in_doubt(sessions):

@@ -54,6 +54,15 @@ def told(message):
     return [(status.name, status.level, status.message) for status in message.status]
 
 
+def test_a_lesser_trouble_names_its_own_consequence(peer, monkeypatch):
+    lines, node = [], Node("driver", context=peer.node.context, enable_rosout=False)
+    monkeypatch.setattr(node, "get_logger", lambda: Lines(lines))
+    made = Diagnostics(node, ("commands", "pressures"), "valves centred", None, "pressures")
+    made.note_all({"commands": "no command", "pressures": "one is nan; the nominal load is taken"})
+    assert lines == ["valves centred: no command", "one is nan; the nominal load is taken"]
+    node.destroy_node()
+
+
 def test_a_trouble_is_told_at_once_and_again_every_second(peer, health):
     for step in range(600):  # three seconds of a loop of 200 Hz
         health.note("joystick", f"axes are {step}; allowed: -1..1" if 100 <= step < 400 else "")

@@ -142,8 +142,12 @@ class MotionGuard:
         return "" if released else "the levers must be centred and the deadman released"
 
     def joystick_caution(self) -> str:
-        """Return why a joystick that is well moves nothing though its deadman is held, or ""."""
-        return NOT_CENTRED if is_deflected_unarmed(self.permission.joystick, self.p.joystick.centre) else ""
+        """Return why a joystick that is well moves nothing though its deadman is held, or "".
+
+        While the emergency stop is pressed, that is why.
+        """
+        deflected = is_deflected_unarmed(self.permission.joystick, self.p.joystick.centre)
+        return NOT_CENTRED if deflected and not self.causes["emergency stop"] else ""
 
     def joystick_values(self) -> dict[str, Any]:
         """Return what is known of the joystick, by names with units, for /diagnostics."""

@@ -56,6 +56,7 @@ def fit(
     redrawn: Sequence[Model] = (),
     stated: Sequence[Mapping[str, float]] = (),
     rough: Model | None = None,
+    near: bool = False,
 ) -> Fit:
     """Return the parameters that explain the measured columns best.
 
@@ -70,10 +71,11 @@ def fit(
         redrawn: the rough model again, each time with the noise of its inputs drawn once more.
         stated: parameters that are not estimated, each moved by its standard deviation, by key.
         rough: a quicker model, whose changes are near those of the model; without it the model itself.
+        near: whether derivatives must be those next to the end (`search.NEAR`).
     """
     problem = Problem(measured=measured, channels=channels, unknowns=unknowns, block=block, prior=prior)
     before = prior.moves(problem.names, len(stated))
-    search = Search(model, rough or model, problem, unknowns, channels, progress, redrawn, stated)
+    search = Search(model, rough or model, problem, unknowns, channels, progress, redrawn, stated, near)
     return _told(problem, unknowns, search.end(before), prior, before)
 
 

@@ -24,6 +24,7 @@ GREAT = 1e-3  # from where a refused step is damped more by smaller shares
 TRIES = 8  # of one step, each with more damping
 CONVERGED = 0.1  # of the standard errors, that the last step moved what other records feel, too
 STALE = 0.03  # of a positive parameter, from where derivatives were taken, to take them again
+NEAR = 3e-4  # the same, on a rig: its meters' gains hang together with all that it tells (`Search`)
 SHARE = 0.25  # of a standard error, the same: what hardly acts may move far
 SLOW = 0.3  # of the last step; after a longer step derivatives are taken again, too
 BENT = 4  # so many longer steps are allowed where derivatives are bent
@@ -62,7 +63,12 @@ class End(NamedTuple):
 
 
 class Search:
-    """A search for what a problem's columns tell."""
+    """A search for what a problem's columns tell.
+
+    On a rig a flow meter's gain and all resistances, inertances and capacitances may change together, and the
+    readings stay as they are. Derivatives that were taken a hundredth away do not know that: what they miss
+    looks like a record that tells the gain.
+    """
 
     def __init__(
         self,
@@ -74,11 +80,12 @@ class Search:
         progress: Callable[[], None],
         redrawn: Sequence[Model],
         stated: Sequence[Mapping[str, float]],
+        near: bool = False,
     ) -> None:
         """Take what `output_error.fit` is given."""
         self._model, self._rough, self._problem, self._progress = model, rough, problem, progress
         self._unknowns, self._channels, self._every = unknowns, channels, range(len(unknowns))
-        self._redrawn, self._stated = redrawn, stated
+        self._redrawn, self._stated, self._near = redrawn, stated, near
 
     def end(self, before: Floats) -> End:
         """Return where the cost falls no further.
@@ -157,7 +164,7 @@ class Search:
 
     def _is_stale(self, at: Place, taken: Floats) -> bool:
         """Tell whether a positive parameter is far from where derivatives were taken; others act linearly."""
-        moves = np.abs(at.theta - taken) > np.maximum(STALE, SHARE * at.errors)
+        moves = np.abs(at.theta - taken) > (NEAR if self._near else np.maximum(STALE, SHARE * at.errors))
         return any(move and u.positive for move, u in zip(moves.tolist(), self._unknowns, strict=False))
 
     def _simulate(

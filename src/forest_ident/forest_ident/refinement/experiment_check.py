@@ -23,6 +23,7 @@ COUNT = 200  # samples of a record that are compared
 PUMP = 2.0  # times the pressure of the idle pump, or under its half: more than a gauge is misread by
 WIDE = 0.5  # of the greatest voltage: rows by which a direction is told
 AGAINST = 1e-3  # of the pump's pressure, beside what the transducers err
+WARM = 2.0  # [K] from the file's: a laminar hose's resistance changes by 4 % a kelvin
 SPOOL = 0.3  # [V] more than a spool's sensor errs
 REST = 20  # rows at the start without a voltage, at least, that tell the idle pump's pressure
 
@@ -75,14 +76,15 @@ def demand_machine(machine: Machine, session: Session) -> None:
     """Refuse a record that this machine cannot have made.
 
     Raises:
-        SessionError: its pump idles at another pressure, its oil is no liquid, oil flows against the voltage,
-            a joint goes where it has no way, a cylinder's length does not belong to its angle, or boom and
-            stick have no resolvers.
+        SessionError: its pump idles at another pressure, its oil is not the file's, oil flows against the
+            voltage, a joint goes where it has no way, a cylinder's length does not belong to its angle, or
+            boom and stick have no resolvers.
     """
     _demand_pump(machine, session)
     _demand_temperatures(session)
     if session.on_rig:
         _demand_directions(machine, session)
+        _demand_cooler(machine, session)
     if not session.on_crane:
         return
     try:
@@ -126,6 +128,19 @@ def _demand_temperatures(session: Session) -> None:
                 f"{session.name}: {name} reads {low:.4g} .. {high:.4g} K; allowed: {COLDEST:g} .. "
                 f"{HOTTEST:g} K: is it in degrees Celsius?"
             )
+
+
+def _demand_cooler(machine: Machine, session: Session) -> None:
+    """Refuse a rig's record of other oil than that for which the machine's numbers are told."""
+    read = session.temperature()
+    if machine.oil is None or read is None:
+        return
+    told, mean = machine.oil.reference_temperature, float(np.mean(read))
+    if abs(mean - told) > WARM:
+        raise SessionError(
+            f"{session.name}: the rig's oil is at {mean:.1f} K; allowed: {told:.1f} K within {WARM:g} K, as "
+            f"{machine.name}'s oil.reference_temperature says: cool it, or state the rig's"
+        )
 
 
 def _demand_directions(machine: Machine, session: Session) -> None:

@@ -52,6 +52,7 @@ HELD_OUT = ("validation", "motion")
 # Standard errors and volts by which an axis' valve must differ to get its own section.
 OWN_VALVE = (4.0, 0.01)
 
+ALIKE = 1.05  # of a standard error: a record that is made for a number, and knows it as well, tells it
 FLOW_GAINS = frozenset({"swing_flow.g", "stick_flow.g"})
 OWED = 0.1  # share of a variance: more of it from what is doubtful is a doubt
 
@@ -284,8 +285,8 @@ def _doubts(result: Result, record: Refined, known: GaussianEstimate, told: Sequ
 
 
 def _tells(posterior: GaussianEstimate, known: GaussianEstimate, key: str) -> bool:
-    """Tell whether a record knows a number better than it was known, stated numbers counted."""
-    return key not in known.names or posterior.spread(key) <= known.spread(key)
+    """Tell whether a record knows a number as well as it was known, stated numbers counted."""
+    return key not in known.names or posterior.spread(key) <= ALIKE * known.spread(key)
 
 
 def _takes_own_valve(result: Result, axis: str, fit: Fit) -> bool:

@@ -92,6 +92,7 @@ def refine(
         redrawn=again,
         stated=() if told else moved,
         rough=None if exact else driven_by(corrected, ROUGH),
+        near=session.on_rig,
     )
     if told:
         done = done._replace(asked=stated_numbers.asked(machine, done.values, errors))

@@ -59,12 +59,15 @@ class Diagnostics:
     Args:
         node: whose diagnostics these are.
         parts: what can fail, in the order in which it is told.
-        consequence: what the node does about any trouble; begins every warning.
+        consequence: what the node does about trouble; begins every warning.
         said: publisher of /diagnostics, if the node has one of its own clock.
+        lesser: parts whose trouble has another consequence, which it names itself.
     """
 
-    def __init__(self, node: Node, parts: tuple[str, ...], consequence: str, said: Any = None) -> None:
-        self._node, self._consequence = node, consequence
+    def __init__(
+        self, node: Node, parts: tuple[str, ...], consequence: str, said: Any = None, *lesser: str
+    ) -> None:
+        self._node, self._consequence, self._lesser = node, consequence, lesser
         self._problems, self._cautions = dict.fromkeys(parts, ""), dict.fromkeys(parts, "")
         self._troubles = dict.fromkeys(parts, 0)
         self._sources: dict[str, list[Source]] = {part: [] for part in parts}
@@ -89,7 +92,9 @@ class Diagnostics:
             self._changed = True
             self._troubles[part] += bool(problem)
         if problem and self._is_news(part, problem):
-            self._node.get_logger().warning(f"{self._consequence}: {problem}")
+            self._node.get_logger().warning(
+                problem if part in self._lesser else f"{self._consequence}: {problem}"
+            )
         self._problems[part] = problem
 
     def note_all(self, problems: Mapping[str, str]) -> None:
