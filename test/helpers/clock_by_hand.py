@@ -18,6 +18,7 @@ class HandSubscription:
 
     def __init__(self) -> None:
         self.arrival: Arrival | None = None
+        self.heard: Any = None
 
     def newest(self) -> Arrival | None:
         arrival, self.arrival = self.arrival, None

@@ -33,7 +33,8 @@ FRAME = "base_link"
 BOOM_PRESSURES = "boom_1_actuator", "boom_2_actuator"
 PRESSURE_TIMEOUT = 0.1  # [s] at which pressures count as none
 SEVERAL = "joy: more than one node publishes it; allowed: one joystick"
-SEVERAL_MACHINES = "joint state: more than one node publishes it; allowed: one machine"
+SEVERAL_MACHINES = "more than one node publishes it; allowed: one machine"
+OF_MACHINE = [topic.name for topic in (topics.ACTUATOR_STATES, topics.PRESSURES, topics.SUPPLY)]
 NO_RATES = "joint state: no finite velocity; allowed: rad/s of every joint"
 
 
@@ -49,13 +50,16 @@ class ControllerInputs:
     def __init__(self, node_clock: Any, machine: Machine, deadman: int) -> None:
         self._node_clock = node_clock
         self.joy, self.valves = node_clock.polled_subscription(topics.JOY), ValveReports(node_clock, machine)
-        self._joysticks, self._machines = Publishers(), Publishers()
+        self._joysticks = Publishers()
         self.joy.heard = self._joysticks.hear
         self.actuators = node_clock.polled_subscription(topics.ACTUATOR_STATES)
         self.pressures = node_clock.polled_subscription(topics.PRESSURES)
         self._boom = ArrayReader(topics.PRESSURES, BOOM_PRESSURES)
         self.supply = node_clock.polled_subscription(topics.SUPPLY)
         self._supply = ArrayReader(topics.SUPPLY, ("pressure",))
+        self._machines = {name: Publishers() for name in ("joint state", *OF_MACHINE)}
+        for name, box in zip(OF_MACHINE, (self.actuators, self.pressures, self.supply), strict=True):
+            box.heard = self._machines[name].hear
         # In lockstep nobody plays: a step cannot wait for an answer to itself.
         self.taught = None if node_clock.lockstep else node_clock.polled_subscription(topics.TAUGHT_COMMAND)
         self._taught = ArrayReader(topics.TAUGHT_COMMAND)
@@ -79,7 +83,7 @@ class ControllerInputs:
             guard: knows the joystick.
             limits: gives what limits the motion, by names with units.
         """
-        joints.heard = self._machines.hear
+        joints.heard = self._machines["joint state"].hear
         heard = partial(InputStatus, node, self._node_clock)
         joystick = heard(self.joy, "a joystick", lambda: guard.misses_joystick(self.joy.age()))
         diagnostics.watch("joystick", joystick, values=guard.joystick_values)
@@ -118,8 +122,10 @@ class ControllerInputs:
         """Return what a message of the joints says, and why it cannot be read, or ""."""
         reading = self._joints.read(data)
         angles, rates = reading.values.position, reading.values.velocity
-        several = SEVERAL_MACHINES if self._machines.are_several() else ""
-        problem = several or reading.problem or ("" if rates else NO_RATES)
+        several = next((name for name, those in self._machines.items() if those.are_several()), "")
+        problem = (
+            f"{several}: {SEVERAL_MACHINES}" if several else reading.problem or ("" if rates else NO_RATES)
+        )
         state = MachineState(
             angles=angles,
             rates=rates,
