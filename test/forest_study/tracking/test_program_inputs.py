@@ -82,7 +82,7 @@ def test_a_joint_trajectory_is_followed_to_its_end_while_the_deadman_is_held(loo
     assert np.abs(share[:, 0] - share[:, 2]).max() < 0.03
 
 
-def test_a_trajectory_is_refused_while_something_is_played_and_an_empty_one_ends_it(loop):
+def test_a_trajectory_is_refused_while_something_is_played_which_a_stop_ends(loop):
     loop.drive(HELD, 0.3)
     row = TrajectoryRow(4.0, (POSE[0] + 0.2, *POSE[1:]), ())
     assert loop.work.follow(AXES, [row])[0]
@@ -91,7 +91,7 @@ def test_a_trajectory_is_refused_while_something_is_played_and_an_empty_one_ends
         False,
         "joint trajectory is under way; allowed: a trajectory after stop",
     )
-    assert loop.work.follow((), [])[0]
+    assert loop.work.actions["stop"]()[0]
     loop.drive(HELD, 1.5)  # the swing rocks on its hoses for a second
     assert loop.phase == Phase.IDLE
     assert speed(loop) < 0.005

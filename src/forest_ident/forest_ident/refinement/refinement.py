@@ -92,7 +92,8 @@ def refine(
         redrawn=again,
         stated=() if told else moved,
         rough=None if exact else driven_by(corrected, ROUGH),
-        near=session.on_rig,
+        # Next to a curve's first knots derivatives by an overlap tell more than the record does.
+        near=session.on_rig and all(machine.valve_of(axis).curve is None for axis in range(3)),
     )
     if told:
         done = done._replace(asked=stated_numbers.asked(machine, done.values, errors))
