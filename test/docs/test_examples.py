@@ -31,6 +31,7 @@ NOT_RUN = {
     "how-to/drive-from-a-browser.md": 3,
     "how-to/use-a-joystick.md": 2,
     "how-to/another-machine.md": 1,
+    "how-to/diagnose.md": 1,
     "how-to/carry-a-log.md": 1,
     "how-to/record-recover-replay.md": 1,
     "how-to/debug-in-lockstep.md": 2,

@@ -11,7 +11,9 @@ import pytest
 
 from forest_description.machine import load_machine
 from forest_ident.driving.simulated_experiment import experiment
+from forest_ident.everyday import numbers
 from forest_ident.measurements.parameter_path import value_of, with_values
+from forest_ident.refinement import stated_numbers
 
 LONGEST = {"motor_internal": 60.0, "motor_external": 40.0, "validation": 25.0, "damping_swing": 40.0}  # [s]
 DRAWN = {
@@ -56,3 +58,38 @@ def start_node(start_process: Callable[..., Any]) -> Callable[..., Any]:
         return start_process(["-m", f"forest_ident.{module}", "--ros-args", *ros_args])
 
     return start
+
+
+FEW = (
+    "pump.supply_pressure",
+    "swing.valve.deadband_voltage",
+    "swing.damping",
+    "boom.valve.deadband_voltage",
+    "boom.valve.backward.deadband_voltage",
+    "boom.valve.backward.minimum_resistance",
+    "stick.damping",
+)
+
+
+@pytest.fixture(scope="session")
+def drifted_file(tmp_path_factory):
+    """The machine file of a crane that has drifted."""
+    from everyday_work import DRIFTED  # takes the closed loop along
+
+    file = tmp_path_factory.mktemp("drifted") / "drifted.yaml"
+    file.write_text(DRIFTED)
+    return file
+
+
+@pytest.fixture(scope="session")
+def drifted(drifted_file):
+    """The machine of that file."""
+    return load_machine(drifted_file)
+
+
+@pytest.fixture
+def few_numbers(monkeypatch):
+    """Ask everyday work for `FEW`, and take all that is told as exact: a fit of seconds."""
+    monkeypatch.setattr(numbers, "wanted", lambda _machine: FEW)
+    monkeypatch.setattr(stated_numbers, "errors", lambda _machine, _stated: {})
+    return FEW

@@ -13,6 +13,7 @@ In the order in which data passes:
 - `validation`: A model against a record that it was not fitted to.
 - `model_choice`: Physics that the model lacks: named from residuals, fitted when allowed, judged by held-out
   records.
+- `everyday`: What everyday work tells without experiments: has the machine drifted?
 - `report`: The results as a page, plots and a machine file.
 - `diagnosis`: Is the machine still what it was? Faults found from the topics of everyday work.
 - `monitor_node`: Self-diagnosis as a node: what is wrong with the machine, on /diagnostics.

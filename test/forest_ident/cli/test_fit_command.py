@@ -228,6 +228,15 @@ def test_a_second_run_needs_no_new_name_and_a_file_of_ones_own_stays(bags, tmp_p
     assert [path.name for path in tmp_path.iterdir()] == ["found.yaml"]
 
 
+def test_the_start_is_not_written_over(bags, tmp_path, capsys):
+    assert fit(bags, tmp_path, capsys, "calibration")[0] == 0
+    first = (tmp_path / "found.yaml").read_text()
+    code, _, said = fit(bags, tmp_path, capsys, "calibration", start=str(tmp_path / "found.yaml"))
+    assert code == 1
+    assert "found.yaml: it is the start, and is based on it; allowed: another file" in said
+    assert (tmp_path / "found.yaml").read_text() == first
+
+
 def test_a_hole_in_a_bag_is_told_as_one(sessions, tmp_path, capsys):
     whole = sessions["calibration"]
     late = np.where(np.arange(len(whole.time)) < len(whole.time) // 2, whole.time, whole.time + 3.0)

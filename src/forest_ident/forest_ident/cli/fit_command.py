@@ -12,7 +12,7 @@ import numpy as np
 
 from forest_bag.read.bag_reader import FILE_KINDS, SUFFIXES
 from forest_description.machine import Machine, load_machine, uncertainties
-from forest_ident.cli import fit_tables
+from forest_ident.cli import driving_fit, fit_tables
 from forest_ident.experiments import experiment_plan
 from forest_ident.measurements import session_bag
 from forest_ident.measurements.session import Session, SessionError
@@ -52,6 +52,8 @@ def add_parser(verbs: Subcommands) -> None:
     parser.add_argument(
         "--allow", nargs="+", choices=candidates.NAMES, default=(), metavar="PHYSICS", help=help_allow
     )
+    help_driving = "the bags hold everyday work instead of experiments: tell what has drifted from the start"
+    parser.add_argument(driving_fit.OPTION, action="store_true", help=help_driving)
     parser.add_argument(
         "--linear", action="store_true", help="use the thesis' linear estimators alone, without refinement"
     )
@@ -64,11 +66,16 @@ def run(options: argparse.Namespace) -> int:
         SessionError: a bag is not usable, or nothing can be estimated from them.
     """
     _demand_room(options.out, options.report)
+    _refuse_start(options.start, options.out)
     start = load_machine(options.start)
     truth = None if options.truth is None else load_machine(options.truth)
+    if options.from_driving:
+        driving_fit.refuse_options(options)
     sessions = {path: session_bag.read(path) for path in found(options.bags)}
-    _refuse_strangers(start, sessions)
     _refuse_twice(sessions)
+    if options.from_driving:
+        return driving_fit.run(options, sessions, start, truth, Bar())
+    _refuse_strangers(start, sessions)
     _demand_judge(options.allow, sessions)
     result = _fitted(start, sessions, options)
     held_out = [(s.name, prediction_error.predicted(result.machine, s)) for s in result.held_out]
@@ -151,6 +158,16 @@ def _demand_room(out: Path, report: Path | None) -> None:
             raise SessionError(
                 f"{option} {path}: cannot be written ({error.strerror}); allowed: a folder you may write to"
             ) from error
+
+
+def _refuse_start(start: str, out: Path) -> None:
+    """Refuse to write over the start: what is written is based on it.
+
+    Raises:
+        SessionError: both are one file.
+    """
+    if Path(start).suffix and Path(start).resolve() == out.resolve():
+        raise SessionError(f"--out {out}: it is the start, and is based on it; allowed: another file")
 
 
 def _is_own(path: Path) -> bool:

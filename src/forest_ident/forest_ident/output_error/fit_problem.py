@@ -181,7 +181,7 @@ class Problem:
     ) -> tuple[Floats, Floats]:
         """Return J'J and J'r."""
         information = np.zeros((len(theta), len(theta)))
-        for _, _, j in self._rows(theta, predicted, jacobian):
+        for _, _, j in self.rows(theta, predicted, jacobian):
             information += j.T @ j
         return information, self.gradient(theta, predicted, jacobian)
 
@@ -206,7 +206,7 @@ class Problem:
             found[c.name] = np.where(seen, residual, np.nan)
         return found
 
-    def _rows(
+    def rows(
         self, theta: Floats, predicted: Mapping[str, Floats], jacobian: Jacobian
     ) -> Iterator[tuple[Channel, Floats, Floats]]:
         """Yield each channel's residual/sigma and its derivatives, one column per theta."""
@@ -247,7 +247,7 @@ class Problem:
         spread = covariance_of(information + self.known)
         count = max(len(y) for y in self._y.values()) // self._block + 1
         found, white = np.zeros((count, len(theta))), np.zeros((count, len(theta)))
-        for _, residual, j in self._rows(theta, predicted, jacobian):
+        for _, residual, j in self.rows(theta, predicted, jacobian):
             influence, firsts = spread @ j.T, np.arange(0, len(residual), self._block)
             found[: len(firsts)] += np.add.reduceat(influence * residual, firsts, axis=1).T
             white[: len(firsts)] += np.add.reduceat(influence**2, firsts, axis=1).T
@@ -279,7 +279,7 @@ class Problem:
         """
         if not moved:
             return StatedEffect(before, dict.fromkeys(predicted, 0.0), np.zeros(0))
-        rows = list(self._rows(theta, predicted, jacobian))
+        rows = list(self.rows(theta, predicted, jacobian))
         changes = [self._changes(theta, moved, channel, residual) for channel, residual, _ in rows]
         information = sum((j.T @ j for _, _, j in rows), np.zeros((len(theta), len(theta))))
         pulls = sum((j.T @ c for (_, _, j), c in zip(rows, changes, strict=True)), np.zeros(before.shape))

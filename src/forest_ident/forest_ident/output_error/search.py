@@ -81,11 +81,13 @@ class Search:
         redrawn: Sequence[Model],
         stated: Sequence[Mapping[str, float]],
         near: bool = False,
+        most: int | None = None,
     ) -> None:
-        """Take what `output_error.fit` is given."""
+        """Take what `output_error.fit` is given; most: steps of the search, if not `ITERATIONS`."""
         self._model, self._rough, self._problem, self._progress = model, rough, problem, progress
         self._unknowns, self._channels, self._every = unknowns, channels, range(len(unknowns))
         self._redrawn, self._stated, self._near = redrawn, stated, near
+        self._most = most or ITERATIONS
 
     def end(self, before: Floats) -> End:
         """Return where the cost falls no further.
@@ -99,7 +101,7 @@ class Search:
         least = self._least(at, jacobian, stated, before)
         allowed = BENT if self._rough is self._model else 0
         last, slow, fresh, converged = math.inf, 0, True, False
-        while not converged and iterations < ITERATIONS:
+        while not converged and iterations < self._most:
             iterations, start = iterations + 1, at
             at = self._step(self._model, start, jacobian, least)
             if allowed and at.moved > CONVERGED:  # a shorter step tells what chance makes of it
@@ -129,7 +131,7 @@ class Search:
         held = [place for place in self._every if place not in begun]
         at, steps = self._place(self._rough, self._problem.mean), 0
         taken, jacobian = at.theta, self._derivatives(at, at.predicted, begun)
-        while begun and steps < ITERATIONS:
+        while begun and steps < self._most:
             at, steps = self._step(self._rough, at, jacobian, 0.0, held), steps + 1
             if at.fall < USELESS * self._problem.cost(at.theta, at.predicted):
                 break

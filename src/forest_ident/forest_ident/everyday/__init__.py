@@ -1,0 +1,1 @@
+"""What an hour of everyday work tells of the machine, without experiments: has it drifted?"""
