@@ -10,6 +10,7 @@ from everyday_work import everyday_work
 from forest_description.machine import load_machine
 from forest_ident.cli.verbs import main
 from forest_ident.driving.simulated_experiment import experiment
+from forest_ident.everyday import numbers
 from forest_ident.measurements import session_bag
 
 C180 = load_machine("c180_hoses")
@@ -52,6 +53,20 @@ def test_a_bag_of_work_updates_the_machine_file_and_tells_the_drift(
     assert found.stick.valve is None
     text = (tmp_path / "found.yaml").read_text()
     assert f"segments of monday, {date.today()}, 95 % interval" in text
+
+
+def test_a_fit_that_misses_what_it_has_not_seen_is_not_trusted_and_its_file_says_so(
+    work, few_numbers, monkeypatch, tmp_path, capsys
+):
+    asked = tuple(key for key in few_numbers if key != "boom.valve.backward.deadband_voltage")
+    monkeypatch.setattr(numbers, "wanted", lambda _machine: asked)
+    session_bag.write(work, tmp_path / "bag")
+    code, told, _ = fit(capsys, tmp_path, tmp_path / "bag")
+    assert code == 4
+    assert told.startswith("verdict: not trusted\n  held-out segments: boom angle is")
+    assert "  drifted, if it could be trusted: pump" in told
+    text = (tmp_path / "found.yaml").read_text()
+    assert text.count("; not trusted: held-out segments: boom angle is") >= 4
 
 
 @pytest.mark.parametrize("more", [["--linear"], ["--allow", "friction"], ["--report", "report"]])

@@ -23,7 +23,7 @@ from forest_ident.refinement.identification import HELD_OUT
 from forest_ident.refinement.result import told_table
 from forest_ident.report import machine_writer
 from forest_ident.validation import prediction_error
-from forest_ident.validation.verdict import Verdict
+from forest_ident.validation.verdict import NOT_TRUSTED, Verdict
 
 OPTION = "--from-driving"
 FEWEST = 6  # segments: fewer show no scatter between them, and leave none to judge by
@@ -77,7 +77,7 @@ def run(
     judged = drift.verdict(told, found, signals, gain)
     print(_text(judged, told, gain.told()))
     print(f"  held out: {len(chosen.held_out)} segments\n{prediction_error.text_table(signals)}")
-    machine_writer.write(told.result, options.start, options.out, judged.doubts)
+    machine_writer.write(told.result, options.start, options.out, _doubts(judged, told))
     if truth is not None:
         print(fit_tables.against(told.result, numbers.prepared(truth)))
     for text in [*parts.left_out, *chosen.left_out(), *found.left_out()]:
@@ -112,12 +112,20 @@ def _method(found: Found, bags: Collection[Path]) -> str:
     return f"everyday work, {found.segments} segments of {_names(bags)}, {date.today()}"
 
 
+def _doubts(judged: Verdict, told: drift.Told) -> Mapping[str, str]:
+    """Return why each number is doubtful: one and all where the whole is."""
+    if judged.code == NOT_TRUSTED:
+        return dict.fromkeys(told.result.estimates, judged.reasons[0])
+    return judged.doubts
+
+
 def _text(judged: Verdict, told: drift.Told, gain: str) -> str:
     """Return the verdict, what has drifted, and the table."""
+    trusted = "drifted" if judged.code != NOT_TRUSTED else "drifted, if it could be trusted"
     gone = ", ".join(f"{row.estimate.key} {row.change}" for row in told.rows if row.drifted)
     lines = [
         "\n  ".join([f"verdict: {judged.lines[0]}", *judged.lines[1:]]),
-        f"  drifted: {gone or 'nothing that these records tell'}",
+        f"  {trusted}: {gone or 'nothing that these records tell'}",
         f"  {gain}",
         f"  {'parameter':<42} {'start':>11} {'found':>13} {'change':>12}  95 % interval",
     ]
