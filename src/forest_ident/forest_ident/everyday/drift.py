@@ -12,11 +12,12 @@ import numpy as np
 import scipy
 
 from forest_description.machine import Machine
-from forest_description.types import Floats
+from forest_description.types import AXES, Floats
 from forest_ident.estimators.parameter_estimate import Estimate, excitation_for, unit_of
 from forest_ident.everyday import numbers
 from forest_ident.everyday.segment_fit import Found
 from forest_ident.everyday.segments import Segment
+from forest_ident.measurements.parameter_path import part_of
 from forest_ident.model_choice.held_out_comparison import SURE, Comparison
 from forest_ident.output_error.fit_problem import Unknown
 from forest_ident.refinement import possible_numbers, stated_numbers
@@ -113,7 +114,7 @@ def _joined(parts: Sequence[Signal], side: int) -> Floats:
 
 
 def verdict(told: Told, found: Found, signals: Sequence[Signal], gain: Comparison) -> Verdict:
-    """Return how far to trust what is told: by held-out segments, by what was odd, by the search itself."""
+    """Return how far to trust what is told: by held-out segments, what was odd, the search, and friction."""
     reasons = [f"held-out segments: {text}" for text in over_limit(signals)]
     if gain.gain < -SURE * gain.error:
         reasons.append(f"{gain.told()} than with the start's numbers")
@@ -121,6 +122,10 @@ def verdict(told: Told, found: Found, signals: Sequence[Signal], gain: Compariso
         reasons.append(f"{len(found.odd)} of {found.segments + len(found.odd)} segments fit nothing")
     if not found.converged:
         reasons.append("the search was broken off")
+    if sticking := [axis for axis in AXES if part_of(told.result.start, f"{axis}.friction")]:
+        reasons.append(
+            f"dry friction of {', '.join(sticking)}: intervals of such a crane come out too narrow"
+        )
     doubts = dict.fromkeys(told.result.impossible, "its estimate is impossible")
     code = NOT_TRUSTED if reasons else BUT_FOR if doubts else TRUSTED
     return Verdict(code, tuple(reasons), doubts)

@@ -65,9 +65,9 @@ class End(NamedTuple):
 class Search:
     """A search for what a problem's columns tell.
 
-    On a rig the gain of the flow meters and all resistances, inertances and capacitances may change together, and
-    the readings stay. Derivatives that were taken a hundredth away do not know that: what they miss
-    looks like a record that tells the gain.
+    On a rig the gain of the flow meters and all resistances, inertances and capacitances may change together,
+    and the readings stay. Derivatives that were taken a hundredth away do not know that: what they miss looks
+    like a record that tells the gain.
     """
 
     def __init__(
