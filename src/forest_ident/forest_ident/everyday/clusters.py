@@ -11,8 +11,8 @@
 | S_i | those that tell of parameter i: (sum of w)^2 / sum of w^2, w their shares of its information |
 
 The jackknife (CR3 of MacKinnon and White) does not trust a fit to a segment that alone tells of a parameter,
-and widens where models miss. A parameter's standard error is
-widened to Student's interval of S_i - 1 degrees of freedom. The noise that weighs the channels drops out.
+and widens where models miss. A parameter's standard error is widened to Student's interval of S_i - 1 degrees
+of freedom. The noise that weighs the channels drops out.
 """
 
 from collections.abc import Sequence
