@@ -30,8 +30,7 @@ def main() -> None:
     parser.add_argument("--minutes", type=float, default=30.0, metavar="MIN")
     parser.add_argument("--seed", type=int, default=1, help="of the first bag")
     options = parser.parse_args()
-    options.directory.mkdir(parents=True)
-    (options.directory / "bags").mkdir()
+    (options.directory / "bags").mkdir(parents=True)
     file = options.directory / "drifted.yaml"
     file.write_text(DRIFTED, encoding="utf-8")
     machine, start = load_machine(file), load_machine("c180_hoses")
