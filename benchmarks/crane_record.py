@@ -18,15 +18,17 @@ import numpy as np
 from forest_description.types import Floats
 from forest_ident.actuator import fit, kernel, record
 from forest_ident.cli.actuator_command import scaled
+from forest_ident.validation.prediction_error import rms
 
+COUNT = 512  # samples of the record
 FOLDS = (  # fitted rows, predicted rows
-    *(((0, end), (end, 512)) for end in (285, 320, 365, 400, 430)),
-    *(((begin, 512), (0, begin)) for begin in (205, 256)),
-    ((117, 400), (400, 512)),
+    *(((0, end), (end, COUNT)) for end in (285, 320, 365, 400, 430)),
+    *(((begin, COUNT), (0, begin)) for begin in (205, 256)),
+    ((117, 400), (400, COUNT)),
 )
 LAGS = (2, 4, 8)  # [samples]
 PENALTIES = (0.01, 0.1, 1.0, 10.0, 1e6)  # of coefficients of normed features; the last leaves the physics
-QUARTERS, SMALL = 4, 0.1
+QUARTERS, SMALL = 4, 0.1  # parts by which a penalty is judged; the penalty without a choice
 
 
 class Simulated(NamedTuple):
@@ -44,6 +46,8 @@ def main() -> None:
     parser.add_argument("--repeats", type=int, default=5)
     options = parser.parse_args()
     read = record.read(options.record)
+    if len(read.valve) != COUNT:
+        parser.error(f"{options.record} has {len(read.valve)} samples; allowed: {COUNT}")
     scales = record.scales(read)
     columns, missed = scaled(read, scales), []
     print("| fitted, samples | predicted | RMS, physics | learnt remainder, chosen | of a small penalty |")
@@ -119,11 +123,6 @@ def ridge(columns: Floats, left: Floats, rows: np.ndarray, penalty: float) -> Fl
     """Return the coefficients of a ridge regression over some rows."""
     a = columns[rows]
     return np.asarray(np.linalg.solve(a.T @ a + penalty * len(a) * np.eye(a.shape[1]), a.T @ left[rows]))
-
-
-def rms(values: Floats) -> float:
-    """Return the root of the mean square."""
-    return float(np.sqrt(np.mean(values**2)))
 
 
 def _text(rows: tuple[int, int]) -> str:

@@ -17,6 +17,11 @@ __all__ = ["make_bag"]
 
 LONG = "name: long\nbased_on: far.yaml\nmanipulator: {boom_length: {value: 4.0, unit: m, source: drawn}}\n"
 FAR = "based_on: c180\nmanipulator: {stick_length: {value: 2.4, unit: m, source: drawn}}\n"
+ALONE = (  # the same, in one file
+    "name: long\nbased_on: c180\nmanipulator:\n"
+    "  boom_length: {value: 4.0, unit: m, source: drawn}\n"
+    "  stick_length: {value: 2.4, unit: m, source: drawn}\n"
+)
 
 
 @pytest.fixture
@@ -46,6 +51,10 @@ def test_the_machine_is_the_one_that_is_described_with_those_it_is_based_on(foun
     assert (machine.manipulator.boom_length, machine.manipulator.stick_length) == (4.0, 2.4)
 
 
+def test_one_file_is_enough_for_a_machine_that_is_based_on_a_shipped_one(found):
+    assert found(("machine/long.yaml", ALONE)) is not None
+
+
 @pytest.mark.parametrize(
     "files",
     [
@@ -53,9 +62,14 @@ def test_the_machine_is_the_one_that_is_described_with_those_it_is_based_on(foun
         [("machine/long.yaml", LONG)],  # without what it is based on
         [("machine/far.yaml", FAR)],  # another crane
         [("machine/long.yaml", "a: b: c"), ("machine/far.yaml", "")],
-        [("parameters/long.yaml", LONG), ("machine/../far.yaml", FAR), ("machine/far.yaml/long.yaml", LONG)],
+        [("parameters/long.yaml", ALONE), ("machine/../long.yaml", ALONE), ("machine/a/long.yaml", ALONE)],
         [("machine/long.yaml", "based_on: long.yaml\n")],
-        [("machine/..", LONG), ("machine/", LONG), ("/machine/long.yaml", LONG), ("machine/\0.yaml", LONG)],
+        [
+            ("machine/..", ALONE),
+            ("machine/", ALONE),
+            ("/machine/long.yaml", ALONE),
+            ("machine/\0.yaml", ALONE),
+        ],
     ],
 )
 def test_what_is_no_machine_or_another_is_passed_over(found, files):

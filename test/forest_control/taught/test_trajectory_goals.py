@@ -218,3 +218,18 @@ def test_a_message_without_points_ends_what_is_played(rig):
     rig.goals.hear(Message(joint_names=[], points=[]))
     rig.until(lambda: rig.work.rests)
     assert rig.log.infos[-1] == "joint trajectory: ending"
+
+
+def test_a_tip_that_is_told_out_of_reach_harms_nobody(rig):
+    """Anybody may publish where the tip is: the node must go on."""
+    goal = rig.ask(request(goal_tolerance=within("swing", 0.01)))
+    rig.until(lambda: rig.tip != HERE)
+    rig.goals.watch((100.0, 0.0, 0.0))
+    rig.goals.tell(1)
+    assert all(map(math.isnan, goal.told[0].actual.positions))
+    assert all(map(math.isnan, goal.told[0].error.positions))
+    rig.until(lambda: rig.work.outcome(1) is not None)
+    goal.ends.clear()
+    rig.goals.accept(goal)
+    rig.goals.watch((100.0, 0.0, 0.0))
+    assert goal.ends[0][:2] == (False, -5)

@@ -64,7 +64,9 @@ def rung(name, place, amplitude):
             total += area * (pressure_in(volume, v.wall, left, oil) - rest)
         return total
 
-    turned = lambda time, y: y[1] if time > 0.0 else -1.0  # noqa: E731
+    def turned(time, y):
+        return y[1] if time > 0.0 else -1.0
+
     turned.terminal, turned.direction = True, 1.0
     longest, start = 2.0 * math.pi * math.sqrt(1e-7 / -force(1e-7)), amplitude
     for _ in range(6):  # one side may be softer: it swings further to that one

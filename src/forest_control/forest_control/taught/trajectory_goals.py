@@ -5,6 +5,7 @@ is refused, and `goal_time_tolerance` has no meaning. A pause ends no goal: a pe
 when the tip has arrived, or when its run is over otherwise.
 """
 
+import math
 from collections.abc import Callable
 from operator import sub
 from typing import TYPE_CHECKING, Any
@@ -19,6 +20,8 @@ if TYPE_CHECKING:
     from forest_msgs_py.runtime.services import Goal
 
 SUCCESSFUL, INVALID_GOAL, GOAL_TOLERANCE_VIOLATED = 0, -1, -5  # [1] error codes of the action
+
+OUT_OF_REACH = math.nan, math.nan, math.nan  # [rad] of a tip that no links have
 
 
 class TrajectoryGoals:
@@ -98,13 +101,16 @@ class TrajectoryGoals:
         """Return which joint is farther from the trajectory's end than a goal allows, or ""."""
         away = dict(zip(AXES, map(sub, self._angles(self._tip), self._angles(self._work.end)), strict=True))
         for one in tolerances:
-            if 0.0 < one.position < abs(away[one.name]):
+            if one.position > 0.0 and not abs(away[one.name]) <= one.position:
                 return f"{one.name} ends {away[one.name]:.4f} rad away; allowed by the goal: {one.position:g}"
         return ""
 
     def _angles(self, tip: Vec3) -> Vec3:
-        """Return the angles [rad] of stiff links whose tip is there."""
-        return inverse_kinematics(tip, self._work.p.links)
+        """Return the angles [rad] of stiff links whose tip is there; NaN out of their reach."""
+        try:
+            return inverse_kinematics(tip, self._work.p.links)
+        except ValueError:
+            return OUT_OF_REACH
 
 
 def _refusal(request: Any) -> str:
